@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cache/raster_source.h"
+#include "codec/error.h"
+
+namespace tintree::cache {
+
+/// DEM cells along the side of a block.
+inline constexpr int kBlockCells = 256;
+inline constexpr int kBlockSamples = kBlockCells + 1;
+/// Samples between the starts of two rows; the spare ones are NaN, so that vector loads may overrun.
+inline constexpr int kBlockStride = kBlockCells + 16;
+
+/// One square of the reference surface: the samples of kBlockCells x kBlockCells cells, those on the east
+/// and south side shared with the next block. Immutable.
+struct HeightBlock {
+  std::int64_t column0 = 0;  ///< DEM sample of the north-west corner, a multiple of kBlockCells.
+  std::int64_t row0 = 0;
+  double base_m = 0;       ///< Heights are stored relative to this, to keep float exact on integer DEMs.
+  bool all_valid = false;  ///< No sample of the block is missing.
+  /// Row-major, kBlockStride apart, north row first; NaN for nodata and beyond the raster.
+  std::vector<float> heights;
+
+  const float* row(int j) const { return heights.data() + static_cast<std::ptrdiff_t>(j) * kBlockStride; }
+};
+
+/// The DEM as a grid of blocks behind a cache of bounded size. Thread-safe.
+class HeightBlocks {
+ public:
+  /// Keeps at most about `cache_bytes` of blocks in memory beyond those that callers hold.
+  HeightBlocks(std::shared_ptr<const RasterSource> source, std::uint64_t cache_bytes);
+  ~HeightBlocks();
+  HeightBlocks(const HeightBlocks&) = delete;
+  HeightBlocks& operator=(const HeightBlocks&) = delete;
+
+  std::int64_t columns() const { return columns_; }
+  std::int64_t rows() const { return rows_; }
+  std::int64_t blocks_x() const { return blocks_x_; }
+  std::int64_t blocks_y() const { return blocks_y_; }
+
+  /// Block (bx, by), bx eastward and by southward from the north-west; reads it if need be.
+  Expected<std::shared_ptr<const HeightBlock>> get(std::int64_t bx, std::int64_t by);
+
+  /// Reads the whole DEM once, in the order in which the file lies, and hands every block to `visit`,
+  /// row of blocks by row of blocks; what fits stays in the cache. `visit` returns false to stop.
+  Expected<void> stream(const std::function<bool(std::int64_t bx, std::int64_t by,
+                                                 const std::shared_ptr<const HeightBlock>&)>& visit);
+
+ private:
+  struct Cache;
+
+  std::shared_ptr<const RasterSource> source_;
+  std::int64_t columns_;
+  std::int64_t rows_;
+  std::int64_t blocks_x_;
+  std::int64_t blocks_y_;
+  std::unique_ptr<Cache> cache_;
+};
+
+}  // namespace tintree::cache

@@ -1,0 +1,101 @@
+#include "cache/manifest.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace tintree::cache {
+namespace {
+
+using nlohmann::json;
+
+bool layout_is_sane(const codec::TreeLayout& l) {
+  const bool size_ok = l.columns >= 2 && l.rows >= 2 && l.columns <= (std::int64_t{1} << 40) && l.rows <= (std::int64_t{1} << 40);
+  const bool tile_ok = l.tile_cells >= 1 && l.tile_cells <= (1 << 16) && (l.tile_cells & (l.tile_cells - 1)) == 0;
+  if (!size_ok || !tile_ok) return false;
+  if (l.leaf_level < 0 || l.leaf_level > codec::kMaxLevel) return false;
+  if (l.leaf_level != codec::TreeLayout::leaf_level_for(l.columns, l.rows, l.tile_cells)) return false;
+  if (l.z_step_m.size() != static_cast<std::size_t>(l.leaf_level) + 1) return false;
+  const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
+  for (const double step : l.z_step_m) {
+    if (!positive(step)) return false;
+  }
+  return positive(l.dx_m) && positive(l.dy_m) && positive(l.leaf_error_m);
+}
+
+}  // namespace
+
+std::string Manifest::to_json() const {
+  json files = json::array();
+  for (const InputFile& f : inputs) files.push_back({{"path", f.path}, {"bytes", f.bytes}, {"modified_s", f.modified_s}});
+  const json j = {
+      {"method", method},
+      {"columns", layout.columns},
+      {"rows", layout.rows},
+      {"tile_cells", layout.tile_cells},
+      {"leaf_level", layout.leaf_level},
+      {"dx_m", layout.dx_m},
+      {"dy_m", layout.dy_m},
+      {"leaf_error_m", layout.leaf_error_m},
+      {"z_step_m", layout.z_step_m},
+      {"crs_wkt", crs_wkt},
+      {"geotransform", geotransform},
+      {"geographic", geographic},
+      {"height_unit_m", height_unit_m},
+      {"inputs", files},
+      {"samples_digest", samples_digest},
+      {"complete", complete},
+      {"digest", digest},
+  };
+  return j.dump();
+}
+
+Expected<Manifest> Manifest::from_json(const std::string& text) {
+  Manifest m;
+  try {
+    const json j = json::parse(text);
+    m.method = j.at("method").get<std::string>();
+    m.layout.columns = j.at("columns").get<std::int64_t>();
+    m.layout.rows = j.at("rows").get<std::int64_t>();
+    m.layout.tile_cells = j.at("tile_cells").get<int>();
+    m.layout.leaf_level = j.at("leaf_level").get<int>();
+    m.layout.dx_m = j.at("dx_m").get<double>();
+    m.layout.dy_m = j.at("dy_m").get<double>();
+    m.layout.leaf_error_m = j.at("leaf_error_m").get<double>();
+    m.layout.z_step_m = j.at("z_step_m").get<std::vector<double>>();
+    m.crs_wkt = j.at("crs_wkt").get<std::string>();
+    m.geotransform = j.at("geotransform").get<std::array<double, 6>>();
+    m.geographic = j.at("geographic").get<bool>();
+    m.height_unit_m = j.at("height_unit_m").get<double>();
+    for (const json& f : j.at("inputs")) {
+      m.inputs.push_back({f.at("path").get<std::string>(), f.at("bytes").get<std::uint64_t>(), f.at("modified_s").get<std::int64_t>()});
+    }
+    m.samples_digest = j.at("samples_digest").get<std::string>();
+    m.complete = j.at("complete").get<bool>();
+    m.digest = j.at("digest").get<std::string>();
+  } catch (const json::exception& e) {
+    return fail(ErrorCode::kBadData, fmt::format("the manifest cannot be read ({})", e.what()));
+  }
+  if (!layout_is_sane(m.layout)) return fail(ErrorCode::kBadData, "the manifest describes no possible tree");
+  return m;
+}
+
+std::string Manifest::difference(const Manifest& other) const {
+  const auto differ = [](const char* what, const auto& mine, const auto& theirs) {
+    return mine == theirs ? std::string() : fmt::format("{}: {} there, {} here", what, mine, theirs);
+  };
+  const codec::TreeLayout& a = layout;
+  const codec::TreeLayout& b = other.layout;
+  for (const std::string& d :
+       {differ("--method", method, other.method), differ("--tile", a.tile_cells, b.tile_cells),
+        differ("--error", a.leaf_error_m, b.leaf_error_m), differ("columns of the DEM", a.columns, b.columns),
+        differ("rows of the DEM", a.rows, b.rows), differ("sample spacing east-west", a.dx_m, b.dx_m),
+        differ("sample spacing north-south", a.dy_m, b.dy_m), differ("height unit", height_unit_m, other.height_unit_m),
+        differ("digest of the DEM's samples", samples_digest, other.samples_digest)}) {
+    if (!d.empty()) return d;
+  }
+  return {};
+}
+
+}  // namespace tintree::cache

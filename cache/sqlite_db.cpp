@@ -1,0 +1,75 @@
+#include "cache/sqlite_db.h"
+
+#include <utility>
+
+namespace tintree::cache {
+
+Expected<SqliteDb> SqliteDb::open(const std::string& path, int flags) {
+  SqliteDb db;
+  db.path_ = path;
+  sqlite3* handle = nullptr;
+  const int rc = sqlite3_open_v2(path.c_str(), &handle, flags, nullptr);
+  db.handle_.reset(handle);
+  if (rc != SQLITE_OK) return tl::unexpected(db.last_error());
+  sqlite3_extended_result_codes(handle, 1);
+  return db;
+}
+
+Error SqliteDb::last_error() const {
+  const int code = sqlite3_errcode(handle_.get()) & 0xff;
+  const std::string reason = sqlite3_errmsg(handle_.get());
+  switch (code) {
+    case SQLITE_NOTADB:
+      return {ErrorCode::kBadData, "is no tintree file", path_};
+    case SQLITE_CORRUPT:
+      return {ErrorCode::kBadData, "is damaged or cut short (" + reason + "); build it again or restore a copy", path_};
+    case SQLITE_FULL:
+      return {ErrorCode::kIo, "the disk is full; free some space and run the same command with --resume", path_};
+    case SQLITE_CANTOPEN:
+      return {ErrorCode::kIo, "cannot be opened; check that the folder exists and may be written to", path_};
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+      return {ErrorCode::kIo, "may not be written to; check its permissions", path_};
+    case SQLITE_BUSY:
+      return {ErrorCode::kIo, "is in use by another program; wait for it or stop it", path_};
+    default:
+      return {ErrorCode::kIo, reason, path_};
+  }
+}
+
+Expected<void> SqliteDb::exec(const char* sql) {
+  if (sqlite3_exec(handle_.get(), sql, nullptr, nullptr, nullptr) != SQLITE_OK) return tl::unexpected(last_error());
+  return {};
+}
+
+Expected<bool> SqliteDb::Statement::step() {
+  const int rc = sqlite3_step(handle_.get());
+  if (rc == SQLITE_ROW) return true;
+  if (rc == SQLITE_DONE) return false;
+  return tl::unexpected(db_->last_error());
+}
+
+std::span<const std::byte> SqliteDb::Statement::blob(int column) const {
+  const auto* data = static_cast<const std::byte*>(sqlite3_column_blob(handle_.get(), column));
+  return {data, static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column))};
+}
+
+Expected<SqliteDb::Statement> SqliteDb::prepare(const char* sql) const {
+  Statement out;
+  out.db_ = this;
+  sqlite3_stmt* statement = nullptr;
+  const int rc = sqlite3_prepare_v2(handle_.get(), sql, -1, &statement, nullptr);
+  out.handle_.reset(statement);
+  if (rc != SQLITE_OK) return tl::unexpected(last_error());
+  return out;
+}
+
+Expected<std::int64_t> SqliteDb::query_integer(const char* sql) const {
+  auto statement = prepare(sql);
+  if (!statement) return tl::unexpected(statement.error());
+  auto row = statement->step();
+  if (!row) return tl::unexpected(row.error());
+  return *row ? statement->integer(0) : 0;
+}
+
+}  // namespace tintree::cache

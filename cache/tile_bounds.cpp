@@ -1,0 +1,108 @@
+#include "cache/tile_bounds.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace tintree::cache {
+namespace {
+
+constexpr std::size_t kRecordBytes = 16;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+float round_down(double v) {
+  const auto f = static_cast<float>(v);
+  return static_cast<double>(f) <= v ? f : std::nextafter(f, -kInfinity);
+}
+
+float round_up(double v) {
+  const auto f = static_cast<float>(v);
+  return static_cast<double>(f) >= v ? f : std::nextafter(f, kInfinity);
+}
+
+std::size_t child_count(const TileNode& node) { return static_cast<std::size_t>(std::popcount(node.child_mask)); }
+
+}  // namespace
+
+TileBounds::TileBounds(const codec::TreeLayout& layout, std::span<const TileInfo> tiles) : layout_(layout) {
+  nodes_.reserve(tiles.size());
+  for (const TileInfo& t : tiles) {
+    nodes_.push_back({t.id, round_down(t.z_min_m), round_up(t.z_max_m), round_up(t.lod_error_m()), 0, 0});
+  }
+  for (const TileInfo& t : tiles) {
+    if (t.id.level == 0) continue;
+    const std::int64_t parent = find(t.id.parent());
+    const auto quadrant = (t.id.x & 1U) | ((t.id.y & 1U) << 1U);
+    if (parent >= 0) nodes_[static_cast<std::size_t>(parent)].child_mask |= static_cast<std::uint8_t>(1U << quadrant);
+  }
+  link_children();
+}
+
+/// In key order the children of one node follow those of the node before it.
+void TileBounds::link_children() {
+  std::size_t next = 1;
+  for (TileNode& node : nodes_) {
+    node.first_child = static_cast<std::uint32_t>(next);
+    next += child_count(node);
+  }
+}
+
+std::vector<std::byte> TileBounds::to_bytes() const {
+  std::vector<std::byte> out(nodes_.size() * kRecordBytes);
+  std::byte* record = out.data();
+  for (const TileNode& node : nodes_) {
+    std::memcpy(record, &node.z_min_m, 4);
+    std::memcpy(record + 4, &node.z_max_m, 4);
+    std::memcpy(record + 8, &node.lod_error_m, 4);
+    record[12] = static_cast<std::byte>(node.child_mask);
+    record += kRecordBytes;
+  }
+  return out;
+}
+
+Expected<TileBounds> TileBounds::from_bytes(const codec::TreeLayout& layout, std::span<const std::byte> bytes) {
+  const auto bad = [] { return fail(ErrorCode::kBadData, "the bounding-box hierarchy is damaged"); };
+  if (bytes.empty() || bytes.size() % kRecordBytes != 0) return bad();
+  TileBounds out;
+  out.layout_ = layout;
+  out.nodes_.resize(bytes.size() / kRecordBytes);
+  const std::byte* record = bytes.data();
+  for (TileNode& node : out.nodes_) {
+    std::memcpy(&node.z_min_m, record, 4);
+    std::memcpy(&node.z_max_m, record + 4, 4);
+    std::memcpy(&node.lod_error_m, record + 8, 4);
+    node.child_mask = static_cast<std::uint8_t>(record[12]);
+    if (!(node.z_min_m <= node.z_max_m) || !(node.lod_error_m >= 0) || node.child_mask > 15) return bad();
+    record += kRecordBytes;
+  }
+  out.link_children();
+  std::size_t next = 1;
+  for (std::size_t i = 0; i < out.nodes_.size(); ++i) {
+    const TileNode parent = out.nodes_[i];
+    if (parent.child_mask != 0 && parent.id.level >= layout.leaf_level) return bad();
+    for (int q = 0; q < 4; ++q) {
+      if ((parent.child_mask >> q & 1) == 0) continue;
+      if (next >= out.nodes_.size()) return bad();
+      const codec::TileId id = parent.id.child(q);
+      if (layout.cells(id).empty()) return bad();
+      out.nodes_[next++].id = id;
+    }
+    if (next == i + 1 && next < out.nodes_.size()) return bad();
+  }
+  return out;
+}
+
+std::int64_t TileBounds::find(const codec::TileId& id) const {
+  const auto at = std::ranges::lower_bound(nodes_, id.key(), {}, [](const TileNode& n) { return n.id.key(); });
+  return at != nodes_.end() && at->id == id ? at - nodes_.begin() : -1;
+}
+
+Box TileBounds::box(const TileNode& node) const {
+  const codec::CellRect c = layout_.cells(node.id);
+  return {{static_cast<double>(c.column0) * layout_.dx_m, -static_cast<double>(c.row1) * layout_.dy_m, node.z_min_m},
+          {static_cast<double>(c.column1) * layout_.dx_m, -static_cast<double>(c.row0) * layout_.dy_m, node.z_max_m}};
+}
+
+}  // namespace tintree::cache

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cache/manifest.h"
+#include "cache/tile_bounds.h"
+#include "codec/error.h"
+#include "codec/tile_id.h"
+#include "codec/tile_mesh.h"
+
+namespace tintree::cache {
+
+/// A tile as it lies in the file.
+struct StoredTile {
+  TileInfo info;
+  std::vector<std::byte> payload;
+};
+
+/// Reads a finished tree (docs/format.md). Safe to use from several threads; reads take turns.
+class TileStore {
+ public:
+  /// Fails with kIo when there is no such file, kBadData when it is no tree, damaged, unfinished or of a
+  /// newer format.
+  static Expected<TileStore> open(const std::string& path);
+
+  TileStore(TileStore&&) noexcept;
+  TileStore& operator=(TileStore&&) noexcept;
+  ~TileStore();
+
+  const std::string& path() const;
+  const Manifest& manifest() const;
+  /// The bounding-box hierarchy; names every tile of the tree.
+  const TileBounds& bounds() const;
+
+  /// One tile with its checksum verified; kBadData when it is missing or damaged.
+  Expected<StoredTile> read(const codec::TileId& id) const;
+  /// The same, decoded and validated: ready for use.
+  Expected<codec::TileMesh> read_mesh(const codec::TileId& id) const;
+
+ private:
+  struct Impl;
+  explicit TileStore(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Decodes a payload whose checksum holds and validates what comes out; names the tile in its errors.
+Expected<codec::TileMesh> decode_tile(const Manifest& manifest, const StoredTile& tile);
+
+/// Writes a tree. Until finish() the file lies beside its goal under building_path(), where a build that
+/// was stopped can go on. Not thread-safe: one writer, one thread.
+class TileWriter {
+ public:
+  static std::string building_path(const std::string& path) { return path + ".building"; }
+
+  /// Begins a new tree that will become `path`; an unfinished one there is discarded.
+  static Expected<TileWriter> create(const std::string& path, const Manifest& manifest);
+  /// Goes on with the unfinished tree of `path`; kUsage when there is none or it was begun otherwise.
+  static Expected<TileWriter> resume(const std::string& path, const Manifest& manifest);
+
+  TileWriter(TileWriter&&) noexcept;
+  TileWriter& operator=(TileWriter&&) noexcept;
+  /// Commits what has been put; the unfinished tree stays resumable.
+  ~TileWriter();
+
+  /// Keys of all tiles there, ascending.
+  Expected<std::vector<std::int64_t>> keys() const;
+  Expected<StoredTile> read(const codec::TileId& id) const;
+  /// Adds a tile, or replaces it.
+  Expected<void> put(const StoredTile& tile);
+  /// Makes everything put so far survive a crash. put() also does so by itself now and then.
+  Expected<void> commit();
+  /// All tiles are there and measured: stores the hierarchy and the digest, and moves the file to its
+  /// goal, replacing what is there. Returns the digest.
+  Expected<std::string> finish();
+
+ private:
+  struct Impl;
+  explicit TileWriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tintree::cache

@@ -1,0 +1,126 @@
+#include "codec/draco_mesh.h"
+
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <utility>
+
+#include <draco/compression/decode.h>
+#include <draco/compression/encode.h>
+#include <draco/mesh/mesh.h>
+
+namespace tintree::codec {
+namespace {
+
+constexpr auto kPayloadVersion = std::byte{1};
+/// Below this many vertices the fixed cost of the slow predictors can outweigh what they save.
+constexpr std::size_t kTrySmallCoder = 300;
+constexpr int kBestSpeed = 0;
+constexpr int kSmallSpeed = 5;
+
+void put_varint(std::vector<std::byte>& out, std::int64_t value) {
+  auto bits = (static_cast<std::uint64_t>(value) << 1) ^ static_cast<std::uint64_t>(value >> 63);
+  while (bits >= 0x80) {
+    out.push_back(static_cast<std::byte>(bits | 0x80));
+    bits >>= 7;
+  }
+  out.push_back(static_cast<std::byte>(bits));
+}
+
+/// Reads a zigzag varint and drops it from `bytes`; false when it is cut short.
+bool take_varint(std::span<const std::byte>& bytes, std::int64_t& value) {
+  std::uint64_t bits = 0;
+  for (int shift = 0; shift < 64 && !bytes.empty(); shift += 7) {
+    const auto b = static_cast<std::uint64_t>(bytes.front());
+    bytes = bytes.subspan(1);
+    bits |= (b & 0x7f) << shift;
+    if (b < 0x80) {
+      value = static_cast<std::int64_t>(bits >> 1) ^ -static_cast<std::int64_t>(bits & 1);
+      return true;
+    }
+  }
+  return false;
+}
+
+void fill(draco::Mesh& out, const TileMesh& mesh) {
+  static_assert(sizeof(GridVertex) == 3 * sizeof(std::int32_t));
+  const auto count = static_cast<std::uint32_t>(mesh.vertices.size());
+  out.set_num_points(count);
+  draco::GeometryAttribute format;
+  format.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_INT32, false,
+              sizeof(GridVertex), 0);
+  const int id = out.AddAttribute(format, true, count);
+  draco::PointAttribute* positions = out.attribute(id);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    positions->SetAttributeValue(draco::AttributeValueIndex(i), &mesh.vertices[i]);
+  }
+  out.SetNumFaces(mesh.triangles.size());
+  for (std::uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    const Triangle& t = mesh.triangles[f];
+    out.SetFace(draco::FaceIndex(f), {draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
+  }
+}
+
+bool encode_at(const draco::Mesh& mesh, int speed, draco::EncoderBuffer& buffer) {
+  draco::Encoder encoder;
+  encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
+  encoder.SetSpeedOptions(speed, speed);
+  return encoder.EncodeMeshToBuffer(mesh, &buffer).ok();
+}
+
+}  // namespace
+
+Expected<std::vector<std::byte>> DracoMesh::encode(const TileMesh& mesh) const {
+  if (mesh.vertices.size() > kMaxTileVertices || mesh.triangles.size() > kMaxTileTriangles) {
+    return fail(ErrorCode::kBadData, "the tile has more vertices than the format allows; choose a larger --error or a smaller --tile");
+  }
+  draco::Mesh source;
+  fill(source, mesh);
+  draco::EncoderBuffer buffer;
+  if (!encode_at(source, kBestSpeed, buffer)) return fail(ErrorCode::kBadData, "Draco could not encode the mesh");
+  if (mesh.vertices.size() < kTrySmallCoder) {
+    draco::EncoderBuffer other;
+    if (encode_at(source, kSmallSpeed, other) && other.size() < buffer.size()) std::swap(buffer, other);
+  }
+  std::vector<std::byte> out{kPayloadVersion, static_cast<std::byte>(static_cast<std::int8_t>(mesh.xy_shift))};
+  put_varint(out, mesh.z_offset);
+  const std::size_t head = out.size();
+  out.resize(head + buffer.size());
+  std::memcpy(out.data() + head, buffer.data(), buffer.size());
+  return out;
+}
+
+Expected<TileMesh> DracoMesh::decode(std::span<const std::byte> bytes) const {
+  TileMesh mesh;
+  if (bytes.size() < 3) return fail(ErrorCode::kBadData, "the payload is cut short");
+  if (bytes[0] != kPayloadVersion) return fail(ErrorCode::kBadData, "the payload has a version this program does not know");
+  mesh.xy_shift = static_cast<std::int8_t>(bytes[1]);
+  bytes = bytes.subspan(2);
+  if (!take_varint(bytes, mesh.z_offset)) return fail(ErrorCode::kBadData, "the payload is cut short");
+
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
+  if (!decoded.ok()) return fail(ErrorCode::kBadData, "Draco refuses the payload");
+  const std::unique_ptr<draco::Mesh> source = std::move(decoded).value();
+  const draco::PointAttribute* positions = source->GetNamedAttribute(draco::GeometryAttribute::POSITION);
+  if (positions == nullptr || positions->num_components() != 3) {
+    return fail(ErrorCode::kBadData, "the payload holds no positions");
+  }
+  mesh.vertices.resize(source->num_points());
+  for (std::uint32_t i = 0; i < source->num_points(); ++i) {
+    std::array<std::int32_t, 3> p{};
+    if (!positions->ConvertValue<std::int32_t>(positions->mapped_index(draco::PointIndex(i)), p.data())) {
+      return fail(ErrorCode::kBadData, "the payload's positions are no integers");
+    }
+    mesh.vertices[i] = {p[0], p[1], p[2]};
+  }
+  mesh.triangles.resize(source->num_faces());
+  for (std::uint32_t f = 0; f < source->num_faces(); ++f) {
+    const draco::Mesh::Face& face = source->face(draco::FaceIndex(f));
+    mesh.triangles[f] = {face[0].value(), face[1].value(), face[2].value()};
+  }
+  return mesh;
+}
+
+}  // namespace tintree::codec

@@ -1,0 +1,64 @@
+#include "codec/grid_frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tintree::codec {
+namespace {
+
+std::uint32_t tiles_along(std::int64_t samples, std::int64_t cells) {
+  return static_cast<std::uint32_t>((samples - 1 + cells - 1) / cells);
+}
+
+}  // namespace
+
+int TreeLayout::leaf_level_for(std::int64_t columns, std::int64_t rows, int tile_cells) {
+  const std::int64_t cells = std::max(columns, rows) - 1;
+  int level = 0;
+  while ((std::int64_t{tile_cells} << level) < cells) ++level;
+  return level;
+}
+
+double TreeLayout::bound_m(int level) const { return std::ldexp(leaf_error_m, leaf_level - level); }
+
+std::uint32_t TreeLayout::tiles_x(int level) const { return tiles_along(columns, cells_across(level)); }
+
+std::uint32_t TreeLayout::tiles_y(int level) const { return tiles_along(rows, cells_across(level)); }
+
+CellRect TreeLayout::cells(const TileId& id) const {
+  const std::int64_t across = cells_across(id.level);
+  const std::int64_t column0 = std::int64_t{id.x} * across;
+  const std::int64_t row0 = std::int64_t{id.y} * across;
+  return {column0, row0, std::min(column0 + across, columns - 1), std::min(row0 + across, rows - 1)};
+}
+
+GridFrame::GridFrame(const TreeLayout& layout, const TileId& id, const TileMesh& mesh)
+    : column0(std::int64_t{id.x} * layout.cells_across(id.level)),
+      row0(std::int64_t{id.y} * layout.cells_across(id.level)),
+      xy_shift(mesh.xy_shift),
+      z_offset(mesh.z_offset),
+      z_step_m(layout.z_step_m[static_cast<std::size_t>(id.level)]),
+      dx_m(layout.dx_m),
+      dy_m(layout.dy_m) {}
+
+double GridFrame::column(std::int32_t x) const {
+  return static_cast<double>(column0) + std::ldexp(static_cast<double>(x), xy_shift);
+}
+
+double GridFrame::row(std::int32_t y) const {
+  return static_cast<double>(row0) + std::ldexp(static_cast<double>(y), xy_shift);
+}
+
+std::array<double, 3> GridFrame::world(const GridVertex& v) const {
+  return {column(v.x) * dx_m, -row(v.y) * dy_m, height_m(v.z)};
+}
+
+std::array<double, 16> GridFrame::matrix(const std::array<double, 3>& eye) const {
+  const double step = std::ldexp(1.0, xy_shift);
+  const double x0 = static_cast<double>(column0) * dx_m - eye[0];
+  const double y0 = -static_cast<double>(row0) * dy_m - eye[1];
+  const double z0 = static_cast<double>(z_offset) * z_step_m - eye[2];
+  return {step * dx_m, 0, 0, 0, 0, -step * dy_m, 0, 0, 0, 0, z_step_m, 0, x0, y0, z0, 1};
+}
+
+}  // namespace tintree::codec

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "codec/tile_id.h"
+#include "codec/tile_mesh.h"
+
+namespace tintree::codec {
+
+/// A rectangle of DEM cells: columns [column0, column1) and rows [row0, row1). Its samples are those
+/// from column0 to column1 and from row0 to row1, both ends included.
+struct CellRect {
+  std::int64_t column0 = 0;
+  std::int64_t row0 = 0;
+  std::int64_t column1 = 0;
+  std::int64_t row1 = 0;
+
+  bool empty() const { return column0 >= column1 || row0 >= row1; }
+};
+
+/// How a quadtree lies over a DEM. Samples are numbered from the north-west: column eastward, row
+/// southward. World coordinates (metres, local frame): x = column * dx_m, y = -row * dy_m, z = height.
+struct TreeLayout {
+  std::int64_t columns = 0;  ///< Samples of the DEM, 2 or more each way.
+  std::int64_t rows = 0;
+  int tile_cells = 256;  ///< DEM cells along a leaf's side, a power of two.
+  int leaf_level = 0;    ///< Level of the leaves; 0 when one tile holds the whole DEM.
+  double dx_m = 1;       ///< Sample spacing.
+  double dy_m = 1;
+  double leaf_error_m = 0;       ///< Error bound of the leaves; it doubles with every level up.
+  std::vector<double> z_step_m;  ///< Height step of each level, index 0 the root.
+
+  /// The smallest leaf level whose root covers a DEM of this size.
+  static int leaf_level_for(std::int64_t columns, std::int64_t rows, int tile_cells);
+
+  double bound_m(int level) const;
+  /// DEM cells along the side of a tile of `level`.
+  std::int64_t cells_across(int level) const { return std::int64_t{tile_cells} << (leaf_level - level); }
+  /// Tiles of `level` that hold at least one cell of the raster, along x and along y.
+  std::uint32_t tiles_x(int level) const;
+  std::uint32_t tiles_y(int level) const;
+  /// The tile's cells, cut to the raster.
+  CellRect cells(const TileId& id) const;
+};
+
+/// Places one tile's grid addresses in the world: local grid address <-> metres as one matrix
+/// (Fowler et al.: dequantisation is a matrix product).
+struct GridFrame {
+  std::int64_t column0 = 0;  ///< DEM sample at the tile's north-west corner.
+  std::int64_t row0 = 0;
+  int xy_shift = 0;
+  std::int64_t z_offset = 0;
+  double z_step_m = 1;
+  double dx_m = 1;
+  double dy_m = 1;
+
+  GridFrame() = default;
+  GridFrame(const TreeLayout& layout, const TileId& id, const TileMesh& mesh);
+
+  /// DEM column and row of an address; exact (a dyadic fraction).
+  double column(std::int32_t x) const;
+  double row(std::int32_t y) const;
+  /// Height in metres. Depends on z_offset + z alone, so two tiles that share a vertex agree on every bit.
+  double height_m(std::int32_t z) const { return static_cast<double>(z_offset + z) * z_step_m; }
+  /// World position of a vertex, metres.
+  std::array<double, 3> world(const GridVertex& v) const;
+  /// Column-major 4x4 matrix from (x, y, z, 1) addresses to world metres relative to `eye`; the
+  /// subtraction is made in double, so the result is exact enough for float near the eye.
+  std::array<double, 16> matrix(const std::array<double, 3>& eye) const;
+};
+
+}  // namespace tintree::codec
