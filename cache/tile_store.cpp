@@ -194,6 +194,8 @@ Expected<codec::TileMesh> decode_tile(const Manifest& manifest, const StoredTile
 }
 
 struct TileStore::Impl {
+  Impl(SqliteDb d, Manifest m, TileBounds b) : db(std::move(d)), manifest(std::move(m)), bounds(std::move(b)) {}
+
   SqliteDb db;
   Manifest manifest;
   TileBounds bounds;
@@ -224,7 +226,7 @@ Expected<TileStore> TileStore::open(const std::string& path) {
     bounds.error().where = path;
     return tl::unexpected(bounds.error());
   }
-  auto impl = std::make_unique<Impl>(Impl{std::move(*db), std::move(*manifest), std::move(*bounds), {}});
+  auto impl = std::make_unique<Impl>(std::move(*db), std::move(*manifest), std::move(*bounds));
   return TileStore(std::move(impl));
 }
 
