@@ -48,7 +48,8 @@ std::string Manifest::to_json() const {
       {"complete", complete},
       {"digest", digest},
   };
-  return j.dump();
+  // Paths are bytes: one that is no UTF-8 is kept as well as JSON can.
+  return j.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 Expected<Manifest> Manifest::from_json(const std::string& text) {
@@ -68,7 +69,7 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
     m.geotransform = j.at("geotransform").get<std::array<double, 6>>();
     m.geographic = j.at("geographic").get<bool>();
     m.height_unit_m = j.at("height_unit_m").get<double>();
-    for (const json& f : j.at("inputs")) {
+    for (const json& f : j.at("inputs").get_ref<const json::array_t&>()) {
       m.inputs.push_back({f.at("path").get<std::string>(), f.at("bytes").get<std::uint64_t>(), f.at("modified_s").get<std::int64_t>()});
     }
     m.samples_digest = j.at("samples_digest").get<std::string>();
@@ -95,6 +96,7 @@ std::string Manifest::difference(const Manifest& other) const {
         differ("digest of the DEM's samples", samples_digest, other.samples_digest)}) {
     if (!d.empty()) return d;
   }
+  if (a.z_step_m != b.z_step_m) return "height steps";
   return {};
 }
 

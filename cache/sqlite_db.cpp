@@ -1,5 +1,7 @@
 #include "cache/sqlite_db.h"
 
+#include <cerrno>
+#include <cstring>
 #include <utility>
 
 namespace tintree::cache {
@@ -16,12 +18,15 @@ Expected<SqliteDb> SqliteDb::open(const std::string& path, int flags) {
 }
 
 Error SqliteDb::last_error() const {
-  const int code = sqlite3_errcode(handle_.get()) & 0xff;
+  int code = sqlite3_errcode(handle_.get()) & 0xff;
+  const int system = sqlite3_system_errno(handle_.get());
+  if (code == SQLITE_IOERR && system == ENOSPC) code = SQLITE_FULL;
   const std::string reason = sqlite3_errmsg(handle_.get());
   switch (code) {
     case SQLITE_NOTADB:
       return {ErrorCode::kBadData, "is no tintree file", path_};
     case SQLITE_CORRUPT:
+    case SQLITE_ERROR:  // a table or column that has to be there is not
       return {ErrorCode::kBadData, "is damaged or cut short (" + reason + "); build it again or restore a copy", path_};
     case SQLITE_FULL:
       return {ErrorCode::kIo, "the disk is full; free some space and run the same command with --resume", path_};
@@ -32,6 +37,8 @@ Error SqliteDb::last_error() const {
       return {ErrorCode::kIo, "may not be written to; check its permissions", path_};
     case SQLITE_BUSY:
       return {ErrorCode::kIo, "is in use by another program; wait for it or stop it", path_};
+    case SQLITE_IOERR:
+      return {ErrorCode::kIo, "cannot be read or written (" + (system != 0 ? std::strerror(system) : reason) + ")", path_};
     default:
       return {ErrorCode::kIo, reason, path_};
   }

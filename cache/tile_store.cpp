@@ -154,9 +154,9 @@ Expected<SqliteDb> open_existing(const std::string& path, int flags) {
                 fmt::format("has format version {}, newer than the {} this program reads; update tintree", *version, kFormatVersion),
                 path);
   }
-  const auto pages = db->query_integer("PRAGMA page_count");
+  if (*version < 1) return fail(ErrorCode::kBadData, "is damaged (no format version)", path);
   const auto page_size = db->query_integer("PRAGMA page_size");
-  if (!pages || !page_size) return fail(ErrorCode::kBadData, "is damaged", path);
+  if (!page_size) return tl::unexpected(page_size.error());
   const auto size = fs::file_size(path, ec);
   if (size % static_cast<std::uint64_t>(*page_size) != 0) {
     return fail(ErrorCode::kBadData, "is cut short; build the file again or restore a copy", path);

@@ -1,7 +1,6 @@
 # Every library that tintree stands on, found once. scripts/setup installs them on Debian 12.
 
 find_package(fmt REQUIRED)
-find_package(spdlog REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(tl-expected REQUIRED)
 find_package(draco REQUIRED)

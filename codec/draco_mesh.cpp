@@ -107,6 +107,9 @@ Expected<TileMesh> DracoMesh::decode(std::span<const std::byte> bytes) const {
   if (positions == nullptr || positions->num_components() != 3) {
     return fail(ErrorCode::kBadData, "the payload holds no positions");
   }
+  if (source->num_points() > kMaxTileVertices || source->num_faces() > kMaxTileTriangles) {
+    return fail(ErrorCode::kBadData, "the payload holds more vertices than the format allows");
+  }
   mesh.vertices.resize(source->num_points());
   for (std::uint32_t i = 0; i < source->num_points(); ++i) {
     std::array<std::int32_t, 3> p{};

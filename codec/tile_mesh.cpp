@@ -9,6 +9,9 @@ Expected<void> validate(const TileMesh& mesh, std::int64_t cells) {
   if (mesh.xy_shift < kMinXyShift || mesh.xy_shift > kMaxXyShift) {
     return fail(ErrorCode::kBadData, "the address step is out of range");
   }
+  if (mesh.z_offset < -kMaxHeightOffset || mesh.z_offset > kMaxHeightOffset) {
+    return fail(ErrorCode::kBadData, "the height origin is out of range");
+  }
   const std::int64_t span = mesh.xy_shift >= 0 ? cells >> mesh.xy_shift : cells << -mesh.xy_shift;
   for (const GridVertex& v : mesh.vertices) {
     if (v.x < 0 || v.y < 0 || v.x > span || v.y > span || v.z < 0 || v.z > kMaxHeightAddress) {

@@ -34,11 +34,12 @@ struct TileMesh {
 inline constexpr int kMinXyShift = -3;
 inline constexpr int kMaxXyShift = 29;
 inline constexpr std::int32_t kMaxHeightAddress = 65535;
+inline constexpr std::int64_t kMaxHeightOffset = std::int64_t{1} << 52;  ///< Either way.
 inline constexpr std::size_t kMaxTileVertices = std::size_t{1} << 26;
 inline constexpr std::size_t kMaxTileTriangles = std::size_t{1} << 27;
 
 /// Checks every index and address of `mesh` for a tile that spans `cells` DEM cells a side: indices
-/// exist, x and y lie inside the tile, z in 0..65535, every triangle has positive area seen from above.
+/// exist, x and y lie inside the tile, z in 0..65535, z_offset within the limit, every triangle has positive area seen from above.
 /// What decoded bytes must pass before anything else touches them.
 Expected<void> validate(const TileMesh& mesh, std::int64_t cells);
 

@@ -1,0 +1,106 @@
+#include "apps/audit/report.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace tintree::audit {
+namespace {
+
+constexpr std::size_t kPrinted = 10;
+constexpr std::size_t kInJson = 1000;
+
+std::string text_of(const Violation& v) { return fmt::format("tile {}: {}", v.tile.text(), v.message); }
+
+std::vector<Violation> by_severity(const TreeReport& report) {
+  std::vector<Violation> sorted = report.violations;
+  std::ranges::stable_sort(sorted, std::ranges::greater{}, &Violation::severity);
+  return sorted;
+}
+
+nlohmann::ordered_json level_json(const LevelReport& l) {
+  return {{"level", l.level},
+          {"tiles", l.tiles},
+          {"vertices", l.vertices},
+          {"triangles", l.triangles},
+          {"bound_m", l.bound_m},
+          {"vertical_max_m", l.vertical_max_m},
+          {"vertical_rms_m", l.vertical_rms_m},
+          {"border_max_m", l.border_max_m},
+          {"samples", l.samples},
+          {"seconds", l.seconds},
+          {"violations", l.violations}};
+}
+
+}  // namespace
+
+std::string report_text(const TreeReport& report) {
+  std::string out =
+      fmt::format("{:>5} {:>8} {:>11} {:>11} {:>11} {:>13} {:>11} {:>11} {:>9} {:>10}\n", "level", "tiles", "vertices",
+                  "triangles", "bound m", "vertical max", "rms m", "border max", "max/bound", "violations");
+  auto to = std::back_inserter(out);
+  for (const LevelReport& l : report.levels) {
+    fmt::format_to(to, "{:>5} {:>8} {:>11} {:>11} {:>11.6g} {:>13.6g} {:>11.6g} {:>11.6g} {:>9.4f} {:>10}\n", l.level,
+                   l.tiles, l.vertices, l.triangles, l.bound_m, l.vertical_max_m, l.vertical_rms_m, l.border_max_m,
+                   l.vertical_max_m / l.bound_m, l.violations);
+  }
+  for (const HausdorffReport& h : report.hausdorff) {
+    fmt::format_to(to,
+                   "CGAL, tile {}, columns {}-{}, rows {}-{}: Hausdorff distance {:.6g} m (+- {:.2g}), vertical "
+                   "maximum {:.6g} m\n",
+                   h.tile.text(), h.cells.column0, h.cells.column1, h.cells.row0, h.cells.row1, h.hausdorff_m,
+                   h.error_bound_m, h.vertical_max_m);
+  }
+  fmt::format_to(to, "{:.1f} s, {:.1f} million samples a second\n", report.seconds, report.samples_per_second / 1e6);
+  const std::vector<Violation> sorted = by_severity(report);
+  for (std::size_t i = 0; i < std::min(kPrinted, sorted.size()); ++i) fmt::format_to(to, "{}\n", text_of(sorted[i]));
+  if (sorted.size() > kPrinted) fmt::format_to(to, "... and {} more (--json lists them)\n", sorted.size() - kPrinted);
+  return out;
+}
+
+std::string verdict(const TreeReport& report) {
+  if (const Violation* worst = report.worst()) {
+    const std::size_t n = report.violations.size();
+    return fmt::format("FAIL: {} violation{}; worst: {}", n, n == 1 ? "" : "s", text_of(*worst));
+  }
+  std::uint64_t tiles = 0;
+  double ratio = 0;
+  for (const LevelReport& l : report.levels) {
+    tiles += l.tiles;
+    ratio = std::max(ratio, l.vertical_max_m / l.bound_m);
+  }
+  return fmt::format("PASS: all {} tiles of {} levels keep their bounds; the largest error is {:.2f} % of its bound",
+                     tiles, report.levels.size(), 100 * ratio);
+}
+
+nlohmann::ordered_json report_json(const TreeReport& report) {
+  nlohmann::ordered_json json;
+  json["verdict"] = report.violations.empty() ? "pass" : "fail";
+  json["violations"] = report.violations.size();
+  const Violation* worst = report.worst();
+  json["worst_tile"] = worst == nullptr ? nlohmann::ordered_json() : nlohmann::ordered_json(worst->tile.text());
+  json["levels"] = nlohmann::ordered_json::array();
+  for (const LevelReport& l : report.levels) json["levels"].push_back(level_json(l));
+  json["hausdorff"] = nlohmann::ordered_json::array();
+  for (const HausdorffReport& h : report.hausdorff) {
+    json["hausdorff"].push_back({{"tile", h.tile.text()},
+                                 {"columns", {h.cells.column0, h.cells.column1}},
+                                 {"rows", {h.cells.row0, h.cells.row1}},
+                                 {"hausdorff_m", h.hausdorff_m},
+                                 {"error_bound_m", h.error_bound_m},
+                                 {"vertical_max_m", h.vertical_max_m}});
+  }
+  json["violation_list"] = nlohmann::ordered_json::array();
+  const std::vector<Violation> sorted = by_severity(report);
+  for (std::size_t i = 0; i < std::min(kInJson, sorted.size()); ++i) {
+    json["violation_list"].push_back(
+        {{"tile", sorted[i].tile.text()}, {"kind", kind_name(sorted[i].kind)}, {"message", sorted[i].message}});
+  }
+  json["seconds"] = report.seconds;
+  json["samples_per_second"] = report.samples_per_second;
+  return json;
+}
+
+}  // namespace tintree::audit

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "apps/audit/tree_audit.h"
+
+namespace tintree::audit {
+
+/// The levels as a table, CGAL's lines and the worst violations, as a program prints them.
+std::string report_text(const TreeReport& report);
+
+/// "PASS: ..." or "FAIL: N violations; worst: tile l/x/y ...", one line.
+std::string verdict(const TreeReport& report);
+
+/// The report for --json (docs/guide.md names the keys).
+nlohmann::ordered_json report_json(const TreeReport& report);
+
+}  // namespace tintree::audit

@@ -1,0 +1,59 @@
+#include "apps/audit/topology.h"
+
+#include <vector>
+
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <OpenMesh/Core/System/omstream.hh>
+#include <fmt/format.h>
+
+namespace tintree::audit {
+namespace {
+
+using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<>;
+
+std::string place_text(const TileSurface& s, std::uint32_t vertex) {
+  const Corner& p = s.corners[vertex];
+  return fmt::format("at ({:.10g}, {:.10g}) of the tile", static_cast<double>(p.x) / s.units,
+                     static_cast<double>(p.y) / s.units);
+}
+
+void silence_openmesh() {
+  // It reports refused triangles on its error stream; they come back as faults instead.
+  [[maybe_unused]] static const bool done = [] {
+    omerr().disable();
+    omlog().disable();
+    omout().disable();
+    return true;
+  }();
+}
+
+}  // namespace
+
+Faults check_topology(const TileSurface& s) {
+  silence_openmesh();
+  Faults faults;
+  HalfEdgeMesh mesh;
+  mesh.reserve(s.corners.size(), s.edges.size(), s.triangles.size());
+  std::vector<HalfEdgeMesh::VertexHandle> handles;
+  handles.reserve(s.corners.size());
+  for (const Corner& p : s.corners) {
+    handles.push_back(mesh.add_vertex({static_cast<float>(p.x), static_cast<float>(-p.y), static_cast<float>(p.z_m)}));
+  }
+  for (const codec::Triangle& t : s.triangles) {
+    if (!mesh.add_face(handles[t[0]], handles[t[1]], handles[t[2]]).is_valid()) {
+      faults.add("a triangle does not fit its neighbours (edge used twice the same way or by three) " +
+                 place_text(s, t[0]));
+    }
+  }
+  if (s.overused_edges > 0 && faults.count == 0) faults.add("an edge has more than two triangles");
+  for (std::uint32_t v = 0; v < handles.size(); ++v) {
+    if (mesh.is_isolated(handles[v])) {
+      if (faults.count == 0) faults.add("a vertex has no triangle " + place_text(s, v));
+    } else if (!mesh.is_manifold(handles[v])) {
+      faults.add("a vertex joins several fans of triangles " + place_text(s, v));
+    }
+  }
+  return faults;
+}
+
+}  // namespace tintree::audit

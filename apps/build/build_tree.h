@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cache/manifest.h"
+#include "codec/error.h"
+#include "simplify/tree_builder.h"
+
+namespace tintree::app {
+
+/// The command line of tintree-build.
+struct BuildOptions {
+  std::string dem;
+  std::string output;
+  std::optional<double> error_m;  ///< Bound of the leaves; default half the sample spacing.
+  std::string method = "tin";
+  int tile_cells = 256;
+  int threads = 0;  ///< 0: all cores.
+  std::uint64_t memory_mib = 1024;
+  bool resume = false;
+  bool overwrite = false;
+  std::string json;  ///< Empty: none.
+  bool quiet = false;
+};
+
+/// What a build did.
+struct BuildReport {
+  cache::Manifest manifest;
+  std::vector<simplify::LevelSummary> levels;
+  std::uint64_t samples = 0;        ///< Of the raster, nodata too.
+  std::uint64_t valid_samples = 0;
+  std::uint64_t file_bytes = 0;
+  double seconds = 0;
+  double read_seconds = 0;
+  double make_seconds = 0;
+  double measure_seconds = 0;
+  int threads = 0;
+};
+
+/// Builds the tree. Warnings go to standard error unless quiet.
+Expected<BuildReport> build_tree(const BuildOptions& options);
+
+}  // namespace tintree::app

@@ -1,0 +1,55 @@
+#include <cmath>
+#include <cstdio>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/build/build_tree.h"
+#include "apps/build/summary.h"
+#include "apps/common/json_file.h"
+#include "apps/common/program.h"
+
+namespace {
+
+using tintree::ErrorCode;
+using tintree::Expected;
+using tintree::app::BuildOptions;
+
+Expected<void> check(const BuildOptions& o) {
+  const bool power_of_two = o.tile_cells > 0 && (o.tile_cells & (o.tile_cells - 1)) == 0;
+  if (!power_of_two || o.tile_cells < 8 || o.tile_cells > 4096) {
+    return tintree::fail(ErrorCode::kUsage, "must be a power of two from 8 to 4096", "--tile");
+  }
+  if (o.error_m && !(std::isfinite(*o.error_m) && *o.error_m > 0)) {
+    return tintree::fail(ErrorCode::kUsage, "must be a positive number of metres", "--error");
+  }
+  if (o.threads < 0 || o.threads > 1024) return tintree::fail(ErrorCode::kUsage, "must lie between 0 (all cores) and 1024", "--threads");
+  if (o.resume && o.overwrite) return tintree::fail(ErrorCode::kUsage, "choose one of --resume and --overwrite", "--resume");
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  BuildOptions o;
+  CLI::App app{"Builds a tile tree with a guaranteed, measured error from an elevation model", "tintree-build"};
+  app.set_version_flag("--version", TINTREE_VERSION);
+  app.add_option("DEM", o.dem, "Elevation model, any raster that GDAL reads")->required();
+  app.add_option("-o,--output", o.output, "Tree to write (.tintree)")->required();
+  app.add_option("--error", o.error_m, "Error bound of the leaves in metres; doubles with every level up (default: half the sample spacing)");
+  app.add_option("--method", o.method, "How tiles are made")->check(CLI::IsMember({"tin"}))->capture_default_str();
+  app.add_option("--tile", o.tile_cells, "DEM cells along a leaf's side, a power of two")->capture_default_str();
+  app.add_option("--threads", o.threads, "Threads to use, 0 for all cores")->capture_default_str();
+  app.add_option("--memory", o.memory_mib, "Memory to stay within, MiB")->capture_default_str();
+  app.add_flag("--resume", o.resume, "Go on with a build that was stopped");
+  app.add_flag("--overwrite", o.overwrite, "Replace an existing tree or discard an unfinished one");
+  app.add_option("--json", o.json, "Write the figures to this file too");
+  app.add_flag("--quiet", o.quiet, "No progress, warnings or table");
+  return tintree::app::run_program(app, argc, argv, [&]() -> Expected<void> {
+    if (auto sane = check(o); !sane) return sane;
+    auto report = tintree::app::build_tree(o);
+    if (!report) return tl::unexpected(report.error());
+    if (!o.quiet) fmt::print("{}", tintree::app::summary_text(*report, o.output));
+    return o.json.empty() ? Expected<void>{} : tintree::app::write_json(o.json, tintree::app::summary_json(*report));
+  });
+}

@@ -1,0 +1,95 @@
+#include "apps/build/summary.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/common/json_file.h"
+
+namespace tintree::app {
+namespace {
+
+double bits_per(std::uint64_t bytes, std::uint64_t units) {
+  return units == 0 ? 0 : 8.0 * static_cast<double>(bytes) / static_cast<double>(units);
+}
+
+simplify::LevelSummary total_of(const BuildReport& report) {
+  simplify::LevelSummary total;
+  for (const simplify::LevelSummary& l : report.levels) {
+    total.tiles += l.tiles;
+    total.vertices += l.vertices;
+    total.triangles += l.triangles;
+    total.bytes += l.bytes;
+    total.make_seconds += l.make_seconds;
+  }
+  return total;
+}
+
+}  // namespace
+
+std::string summary_text(const BuildReport& report, const std::string& output) {
+  std::string out = fmt::format("{:>5} {:>8} {:>11} {:>11} {:>12} {:>8} {:>11} {:>11} {:>6} {:>9}\n", "level", "tiles", "vertices",
+                                "triangles", "bytes", "bits/v", "bound m", "measured m", "ratio", "thread s");
+  const auto line = [&out](const std::string& name, const simplify::LevelSummary& l, const std::string& errors) {
+    fmt::format_to(std::back_inserter(out), "{:>5} {:>8} {:>11} {:>11} {:>12} {:>8.2f} {:>30} {:>9.2f}\n", name, l.tiles, l.vertices,
+                   l.triangles, l.bytes, bits_per(l.bytes, l.vertices), errors, l.make_seconds);
+  };
+  for (const simplify::LevelSummary& l : report.levels) {
+    line(std::to_string(l.level), l, fmt::format("{:>11.5g} {:>11.5g} {:>6.3f}", l.bound_m, l.error_m, l.error_m / l.bound_m));
+  }
+  const simplify::LevelSummary total = total_of(report);
+  line("all", total, "");
+  fmt::format_to(std::back_inserter(out),
+                 "{} samples in {:.1f} s ({:.2f} M samples/s on {} threads: read {:.1f}, make {:.1f}, measure {:.1f}), peak memory {:.0f} MiB\n",
+                 report.samples, report.seconds, static_cast<double>(report.samples) / report.seconds / 1e6, report.threads,
+                 report.read_seconds, report.make_seconds, report.measure_seconds, static_cast<double>(peak_rss_bytes()) / (1 << 20));
+  fmt::format_to(std::back_inserter(out), "{}: {} bytes, {:.4f} bits per sample (payloads {:.4f})\ndigest {}\n", output,
+                 report.file_bytes, bits_per(report.file_bytes, report.samples), bits_per(total.bytes, report.samples),
+                 report.manifest.digest);
+  return out;
+}
+
+nlohmann::ordered_json summary_json(const BuildReport& report) {
+  using nlohmann::ordered_json;
+  const simplify::LevelSummary total = total_of(report);
+  ordered_json levels = ordered_json::array();
+  double error_m = 0;
+  for (const simplify::LevelSummary& l : report.levels) {
+    levels.push_back({{"level", l.level},
+                      {"tiles", l.tiles},
+                      {"vertices", l.vertices},
+                      {"triangles", l.triangles},
+                      {"bytes", l.bytes},
+                      {"bits_per_vertex", bits_per(l.bytes, l.vertices)},
+                      {"bound_m", l.bound_m},
+                      {"vertical_max_m", l.error_m},
+                      {"vertical_rms_m", l.rms_m},
+                      {"thread_seconds", l.make_seconds}});
+    error_m = std::max(error_m, l.error_m);
+  }
+  return {{"seconds", report.seconds},
+          {"read_seconds", report.read_seconds},
+          {"make_seconds", report.make_seconds},
+          {"measure_seconds", report.measure_seconds},
+          {"threads", report.threads},
+          {"samples", report.samples},
+          {"valid_samples", report.valid_samples},
+          {"samples_per_second", static_cast<double>(report.samples) / report.seconds},
+          {"peak_rss_bytes", peak_rss_bytes()},
+          {"error_m", report.manifest.layout.leaf_error_m},
+          {"method", report.manifest.method},
+          {"tile_cells", report.manifest.layout.tile_cells},
+          {"tiles", total.tiles},
+          {"vertices", total.vertices},
+          {"triangles", total.triangles},
+          {"payload_bytes", total.bytes},
+          {"bytes", report.file_bytes},
+          {"bits_per_sample", bits_per(report.file_bytes, report.samples)},
+          {"payload_bits_per_sample", bits_per(total.bytes, report.samples)},
+          {"digest", report.manifest.digest},
+          {"levels", levels}};
+}
+
+}  // namespace tintree::app

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "apps/build/build_tree.h"
+
+namespace tintree::app {
+
+/// The table of levels and the totals that a build ends with.
+std::string summary_text(const BuildReport& report, const std::string& output);
+
+/// The same for programs; keys as of docs/guide.md.
+nlohmann::ordered_json summary_json(const BuildReport& report);
+
+}  // namespace tintree::app

@@ -1,0 +1,44 @@
+#include <chrono>
+
+#include "apps/common/program.h"
+#include "apps/view/still.h"
+#include "apps/view/view_options.h"
+#include "apps/view/window.h"
+#include "cache/tile_store.h"
+#include "render/gl_context.h"
+
+namespace tintree::view {
+namespace {
+
+Expected<void> run(const CommandLine& line) {
+  const auto begun = std::chrono::steady_clock::now();
+  const auto options = read_options(line);
+  if (!options) return tl::unexpected(options.error());
+  const auto store = cache::TileStore::open(options->tree);
+  if (!store) return tl::unexpected(store.error());
+  if (!options->headless) return run_window(*store, *options, begun);
+  const auto context = render::HeadlessContext::create(*options->headless);
+  if (!context) return tl::unexpected(context.error());
+  const auto gl = render::load_gl((*context)->get_function());
+  if (!gl) return tl::unexpected(gl.error());
+  return draw_still(*gl, *store, *options, begun);
+}
+
+}  // namespace
+}  // namespace tintree::view
+
+int main(int argc, char** argv) {
+  using namespace tintree;
+  view::CommandLine line;
+  CLI::App app{"Draws a tile tree: the coarsest tiles whose error stays under a pixel.", "tintree-view"};
+  app.add_option("TREE", line.tree, "The .tintree file")->required();
+  app.add_option("--pixel-error", line.pixel_error, "Largest error on the screen, pixels")->capture_default_str();
+  app.add_option("--size", line.size, "WIDTHxHEIGHT of the picture or window, pixels (1280x720)");
+  app.add_option("--headless", line.headless, "Draw one picture without a window: egl (graphics card) or osmesa (software)");
+  app.add_option("--screenshot", line.screenshot, "Write a PNG once all its tiles are there, and end");
+  app.add_option("--eye", line.eye, "X,Y,Z of the eye: metres east, north and up of the DEM's upper-left sample");
+  app.add_option("--target", line.target, "X,Y,Z of the picture's middle");
+  app.add_option("--json", line.json, "Write the picture's figures as JSON");
+  app.add_flag("--quiet", line.quiet, "Print nothing but errors");
+  return app::run_program(app, argc, argv, [&] { return view::run(line); });
+}

@@ -1,0 +1,115 @@
+#include "apps/view/view_options.h"
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+namespace tintree::view {
+namespace {
+
+constexpr double kElevation = 38 * std::numbers::pi / 180;
+constexpr double kAzimuth = std::numbers::pi;  // South.
+constexpr int kMostPixels = 16384;
+
+template <typename Number>
+bool take_number(std::string_view& text, Number& out) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+  if (error != std::errc()) return false;
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return true;
+}
+
+bool take(std::string_view& text, char c) {
+  if (text.empty() || text.front() != c) return false;
+  text.remove_prefix(1);
+  return true;
+}
+
+Expected<std::optional<glm::dvec3>> read_point(std::string_view text, const char* option) {
+  if (text.empty()) return std::nullopt;
+  glm::dvec3 p(0);
+  const bool read = take_number(text, p.x) && take(text, ',') && take_number(text, p.y) && take(text, ',') && take_number(text, p.z);
+  if (!read || !text.empty() || !std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+    return fail(ErrorCode::kUsage, "wants three numbers in metres, X,Y,Z, as in 1000,-2500.5,1800", option);
+  }
+  return p;
+}
+
+Expected<void> read_size(std::string_view text, ViewOptions& out) {
+  if (text.empty()) return {};
+  const bool read = take_number(text, out.width_px) && take(text, 'x') && take_number(text, out.height_px) && text.empty();
+  const auto sane = [](int v) { return v >= 1 && v <= kMostPixels; };
+  if (!read || !sane(out.width_px) || !sane(out.height_px)) {
+    return fail(ErrorCode::kUsage, "wants WIDTHxHEIGHT in pixels, 1 to 16384 each, as in 1280x720", "--size");
+  }
+  return {};
+}
+
+/// Corners of the boxes of the finest level that has at most a few hundred tiles: they hug the terrain
+/// better than the root's box.
+std::vector<glm::dvec3> outline(const cache::TileBounds& bounds) {
+  constexpr std::size_t kEnough = 300;
+  std::size_t first = 0;
+  std::size_t end = bounds.nodes().size();
+  for (std::size_t i = 0, begun = 0; i <= end; ++i) {
+    if (i < end && bounds.nodes()[i].id.level == bounds.nodes()[begun].id.level) continue;
+    if (i - begun > kEnough) break;
+    first = begun;
+    begun = i;
+  }
+  const int level = end == 0 ? 0 : bounds.nodes()[first].id.level;
+  std::vector<glm::dvec3> corners;
+  for (std::size_t i = first; i < end && bounds.nodes()[i].id.level == level; ++i) {
+    const cache::Box box = bounds.box(bounds.nodes()[i]);
+    for (unsigned c = 0; c < 8; ++c) {
+      corners.emplace_back((c & 1U) != 0 ? box.max[0] : box.min[0], (c & 2U) != 0 ? box.max[1] : box.min[1],
+                           (c & 4U) != 0 ? box.max[2] : box.min[2]);
+    }
+  }
+  return corners;
+}
+
+}  // namespace
+
+Expected<ViewOptions> read_options(const CommandLine& line) {
+  ViewOptions out;
+  out.tree = line.tree;
+  out.pixel_error = line.pixel_error;
+  out.screenshot = line.screenshot;
+  out.json = line.json;
+  out.quiet = line.quiet;
+  if (!std::isfinite(line.pixel_error) || line.pixel_error < 0) {
+    return fail(ErrorCode::kUsage, "wants a number of pixels, 0 or more", "--pixel-error");
+  }
+  if (line.headless == "egl") out.headless = render::Headless::kEgl;
+  if (line.headless == "osmesa") out.headless = render::Headless::kOsMesa;
+  if (!line.headless.empty() && !out.headless) return fail(ErrorCode::kUsage, "wants egl or osmesa", "--headless");
+  if (auto read = read_size(line.size, out); !read) return tl::unexpected(read.error());
+  auto eye = read_point(line.eye, "--eye");
+  if (!eye) return tl::unexpected(eye.error());
+  auto target = read_point(line.target, "--target");
+  if (!target) return tl::unexpected(target.error());
+  out.eye = *eye;
+  out.target = *target;
+  return out;
+}
+
+Expected<render::Camera> first_camera(const ViewOptions& options, const cache::TileBounds& bounds) {
+  render::Camera camera = render::overview(outline(bounds), kAzimuth, kElevation, options.width_px, options.height_px);
+  const glm::dvec3 away = camera.eye - camera.target;
+  if (options.target) {
+    camera.target = *options.target;
+    camera.eye = camera.target + away / 3.0;
+  }
+  if (options.eye) camera.eye = *options.eye;
+  if (glm::length(camera.target - camera.eye) < 1e-6) {
+    return fail(ErrorCode::kUsage, "is the same point as the target; choose another", "--eye");
+  }
+  return camera;
+}
+
+}  // namespace tintree::view

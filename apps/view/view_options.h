@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "cache/tile_bounds.h"
+#include "codec/error.h"
+#include "render/camera.h"
+#include "render/gl_context.h"
+
+namespace tintree::view {
+
+/// The command line of tintree-view, as it was given (docs/guide.md).
+struct CommandLine {
+  std::string tree;
+  double pixel_error = 1;
+  std::string size;      ///< "WxH"
+  std::string headless;  ///< "", "egl" or "osmesa"
+  std::string screenshot;
+  std::string eye;  ///< "X,Y,Z"
+  std::string target;
+  std::string json;
+  bool quiet = false;
+};
+
+/// What it means.
+struct ViewOptions {
+  std::string tree;
+  double pixel_error = 1;
+  int width_px = 1280;
+  int height_px = 720;
+  std::optional<render::Headless> headless;  ///< None: a window.
+  std::string screenshot;                    ///< Path of a picture to write; empty for none.
+  std::optional<glm::dvec3> eye;             ///< World frame, metres.
+  std::optional<glm::dvec3> target;
+  std::string json;
+  bool quiet = false;
+};
+
+/// Fails with kUsage and names the option that makes no sense.
+Expected<ViewOptions> read_options(const CommandLine& line);
+
+/// The view that the options ask for. Without an eye: the whole terrain from the south, 38 degrees above
+/// the horizon (or, with a target alone, from that side at a third of the terrain's size); without a
+/// target: the middle of the terrain. Fails with kUsage when the eye is the target.
+Expected<render::Camera> first_camera(const ViewOptions& options, const cache::TileBounds& bounds);
+
+}  // namespace tintree::view

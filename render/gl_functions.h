@@ -1,0 +1,87 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <GL/glcorearb.h>
+
+#include "codec/error.h"
+
+namespace tintree::render {
+
+/// Looks up an OpenGL function by name in a context; null when it has none.
+using GetGlFunction = std::function<void*(const char* name)>;
+
+/// Every OpenGL function that this program calls, with its type: all of 3.3 core. An own table, because
+/// the usual loaders fail beside OSMesa.
+#define TINTREE_GL_FUNCTIONS(X)                                       \
+  X(PFNGLATTACHSHADERPROC, AttachShader)                              \
+  X(PFNGLBINDBUFFERPROC, BindBuffer)                                  \
+  X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                        \
+  X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                      \
+  X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                        \
+  X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                        \
+  X(PFNGLBUFFERDATAPROC, BufferData)                                  \
+  X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)          \
+  X(PFNGLCLEARPROC, Clear)                                            \
+  X(PFNGLCLEARCOLORPROC, ClearColor)                                  \
+  X(PFNGLCLEARDEPTHPROC, ClearDepth)                                  \
+  X(PFNGLCOMPILESHADERPROC, CompileShader)                            \
+  X(PFNGLCREATEPROGRAMPROC, CreateProgram)                            \
+  X(PFNGLCREATESHADERPROC, CreateShader)                              \
+  X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                            \
+  X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                  \
+  X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                            \
+  X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                \
+  X(PFNGLDELETESHADERPROC, DeleteShader)                              \
+  X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                  \
+  X(PFNGLDEPTHFUNCPROC, DepthFunc)                                    \
+  X(PFNGLDEPTHMASKPROC, DepthMask)                                    \
+  X(PFNGLDISABLEPROC, Disable)                                        \
+  X(PFNGLDRAWARRAYSPROC, DrawArrays)                                  \
+  X(PFNGLDRAWELEMENTSPROC, DrawElements)                              \
+  X(PFNGLENABLEPROC, Enable)                                          \
+  X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)        \
+  X(PFNGLFINISHPROC, Finish)                                          \
+  X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)        \
+  X(PFNGLGENBUFFERSPROC, GenBuffers)                                  \
+  X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                        \
+  X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                      \
+  X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                        \
+  X(PFNGLGETERRORPROC, GetError)                                      \
+  X(PFNGLGETINTEGERVPROC, GetIntegerv)                                \
+  X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                    \
+  X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                              \
+  X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                      \
+  X(PFNGLGETSHADERIVPROC, GetShaderiv)                                \
+  X(PFNGLGETSTRINGPROC, GetString)                                    \
+  X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                  \
+  X(PFNGLLINKPROGRAMPROC, LinkProgram)                                \
+  X(PFNGLPIXELSTOREIPROC, PixelStorei)                                \
+  X(PFNGLPOLYGONMODEPROC, PolygonMode)                                \
+  X(PFNGLREADPIXELSPROC, ReadPixels)                                  \
+  X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample) \
+  X(PFNGLSHADERSOURCEPROC, ShaderSource)                              \
+  X(PFNGLUNIFORM1FPROC, Uniform1f)                                    \
+  X(PFNGLUNIFORM3FPROC, Uniform3f)                                    \
+  X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                      \
+  X(PFNGLUSEPROGRAMPROC, UseProgram)                                  \
+  X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)              \
+  X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                \
+  X(PFNGLVIEWPORTPROC, Viewport)
+
+/// A context's functions. To be called on the context's thread while it is current, as OpenGL asks.
+struct GlFunctions {
+#define TINTREE_GL_MEMBER(type, name) type name = nullptr;
+  TINTREE_GL_FUNCTIONS(TINTREE_GL_MEMBER)
+#undef TINTREE_GL_MEMBER
+
+  /// Null below OpenGL 4.5 without GL_ARB_clip_control; the renderer then does with less depth precision.
+  PFNGLCLIPCONTROLPROC ClipControl = nullptr;
+  std::string renderer;  ///< The driver's own name and version.
+};
+
+/// Fills the table from the current context. Fails with kIo when that is older than OpenGL 3.3.
+Expected<GlFunctions> load_gl(const GetGlFunction& get);
+
+}  // namespace tintree::render

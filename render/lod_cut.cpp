@@ -1,0 +1,143 @@
+#include "render/lod_cut.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <utility>
+
+#include "render/frustum.h"
+
+namespace tintree::render {
+namespace {
+
+class Walk {
+ public:
+  Walk(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options, const IsResident& resident)
+      : bounds_(bounds), camera_(camera), frustum_(camera), options_(options), resident_(resident) {}
+
+  LodCut run() {
+    if (!bounds_.nodes().empty()) visit(0);
+    std::ranges::stable_sort(cut_.requests, {}, &codec::TileId::level);
+    summarise();
+    return std::move(cut_);
+  }
+
+ private:
+  struct Seen {
+    bool outside = false;
+    double nearest_m = 0;
+    double farthest_m = 0;
+    double error_px = 0;
+  };
+
+  Seen look(const cache::TileNode& node) const {
+    const cache::Box box = bounds_.box(node);
+    if (frustum_.outside(box)) return {true, 0, 0, 0};
+    const double nearest_m = frustum_.nearest_depth_m(box);
+    return {false, nearest_m, frustum_.farthest_depth_m(box),
+            projected_error_px(static_cast<double>(node.lod_error_m), nearest_m, camera_)};
+  }
+
+  /// Draws all that is visible under a node; false when it cannot, and then has drawn nothing of it.
+  bool visit(std::uint32_t index) {
+    const cache::TileNode& node = bounds_.nodes()[index];
+    const Seen seen = look(node);
+    if (seen.outside) return true;
+    const bool leaf = node.child_mask == 0;
+    if (leaf || seen.error_px <= options_.pixel_error) return take(index, seen);
+    if (visit_children(index, [this](std::uint32_t child) { return visit(child); })) return true;
+    if (!resident_(index)) {
+      cut_.requests.push_back(node.id);
+      return false;
+    }
+    draw(index, seen, true);
+    return true;
+  }
+
+  bool take(std::uint32_t index, const Seen& seen) {
+    if (resident_(index)) {
+      if (seen.error_px > options_.pixel_error) ++cut_.leaf_limited;
+      draw(index, seen, false);
+      return true;
+    }
+    cut_.complete = false;
+    cut_.requests.push_back(bounds_.nodes()[index].id);
+    return visit_children(index, [this](std::uint32_t child) { return stand_in_finer(child); });
+  }
+
+  /// Covers a node by itself or by finer tiles, asking for nothing.
+  bool stand_in_finer(std::uint32_t index) {
+    const Seen seen = look(bounds_.nodes()[index]);
+    if (seen.outside) return true;
+    if (!resident_(index)) return visit_children(index, [this](std::uint32_t child) { return stand_in_finer(child); });
+    draw(index, seen, true);
+    return true;
+  }
+
+  /// Visits the children front to back; when one cannot be drawn, takes back what the others drew. Goes on
+  /// all the same, for their requests. False for a node without children.
+  template <typename Visit>
+  bool visit_children(std::uint32_t index, const Visit& visit_child) {
+    const cache::TileNode& node = bounds_.nodes()[index];
+    if (node.child_mask == 0) return false;
+    const std::size_t drawn = cut_.draws.size();
+    const std::uint32_t leaf_limited = cut_.leaf_limited;
+    bool covered = true;
+    const unsigned nearest = nearest_quadrant(node.id);
+    // Of four quadrants round a point the eye's own is in front, the opposite one at the back.
+    for (unsigned i = 0; i < 4; ++i) {
+      const unsigned quadrant = nearest ^ i;
+      const unsigned mask = node.child_mask;
+      if ((mask >> quadrant & 1U) == 0) continue;
+      const auto before = static_cast<std::uint32_t>(std::popcount(mask & ((1U << quadrant) - 1)));
+      covered = visit_child(node.first_child + before) && covered;
+    }
+    if (covered) return true;
+    cut_.draws.resize(drawn);
+    cut_.leaf_limited = leaf_limited;
+    return false;
+  }
+
+  unsigned nearest_quadrant(const codec::TileId& id) const {
+    const codec::TreeLayout& layout = bounds_.layout();
+    const auto half = static_cast<double>(layout.cells_across(id.level + 1));
+    const double middle_x = (2.0 * id.x + 1) * half * layout.dx_m;
+    const double middle_y = -(2.0 * id.y + 1) * half * layout.dy_m;
+    return (camera_.eye.x >= middle_x ? 1U : 0U) | (camera_.eye.y < middle_y ? 2U : 0U);
+  }
+
+  void draw(std::uint32_t index, const Seen& seen, bool stands_in) {
+    cut_.draws.push_back({index, seen.error_px, seen.nearest_m, seen.farthest_m, stands_in});
+  }
+
+  void summarise() {
+    if (!cut_.draws.empty()) cut_.nearest_m = std::numeric_limits<double>::infinity();
+    for (const DrawTile& d : cut_.draws) {
+      cut_.max_error_px = std::max(cut_.max_error_px, d.error_px);
+      cut_.nearest_m = std::min(cut_.nearest_m, d.nearest_m);
+      cut_.farthest_m = std::max(cut_.farthest_m, d.farthest_m);
+      if (d.stands_in) cut_.complete = false;
+    }
+  }
+
+  const cache::TileBounds& bounds_;
+  const Camera& camera_;
+  const Frustum frustum_;
+  const CutOptions& options_;
+  const IsResident& resident_;
+  LodCut cut_;
+};
+
+}  // namespace
+
+double projected_error_px(double lod_error_m, double nearest_depth_m, const Camera& camera) {
+  if (lod_error_m <= 0) return 0;
+  if (nearest_depth_m <= 0) return std::numeric_limits<double>::infinity();
+  return lod_error_m * camera.focal_px() * camera.vertical_gain() / nearest_depth_m;
+}
+
+LodCut lod_cut(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options, const IsResident& resident) {
+  return Walk(bounds, camera, options, resident).run();
+}
+
+}  // namespace tintree::render

@@ -1,0 +1,129 @@
+#include "render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+namespace tintree::render {
+namespace {
+
+constexpr double kMostSkirtPx = 16;
+/// Share of the background's colour at a distance of the scene's diagonal: 1 - exp(-kHaze).
+constexpr double kHaze = 0.22;
+
+void set(const GlFunctions& gl, GLint location, const glm::dvec3& v) {
+  gl.Uniform3f(location, static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
+}
+
+void set(const GlFunctions& gl, GLint location, const glm::dmat4& m) {
+  const glm::mat4 f(m);
+  gl.UniformMatrix4fv(location, 1, GL_FALSE, glm::value_ptr(f));
+}
+
+void set(const GlFunctions& gl, GLint location, double v) { gl.Uniform1f(location, static_cast<float>(v)); }
+
+double diagonal_m(const cache::Box& box) {
+  return std::hypot(box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]);
+}
+
+}  // namespace
+
+Expected<Renderer> Renderer::create(const GlFunctions& gl) {
+  auto terrain = ShaderProgram::create(gl, "terrain.vert.glsl", "terrain.frag.glsl");
+  if (!terrain) return tl::unexpected(terrain.error());
+  auto sky = ShaderProgram::create(gl, "sky.vert.glsl", "sky.frag.glsl");
+  if (!sky) return tl::unexpected(sky.error());
+  return Renderer(gl, std::move(*terrain), std::move(*sky));
+}
+
+Renderer::Renderer(const GlFunctions& gl, ShaderProgram terrain, ShaderProgram sky)
+    : gl_(&gl), terrain_(std::move(terrain)), sky_(std::move(sky)) {
+  gl_->GenVertexArrays(1, &no_vertices_);
+}
+
+Renderer::Renderer(Renderer&& other) noexcept
+    : gl_(other.gl_),
+      terrain_(std::move(other.terrain_)),
+      sky_(std::move(other.sky_)),
+      no_vertices_(std::exchange(other.no_vertices_, 0)) {}
+
+Renderer::~Renderer() {
+  if (no_vertices_ != 0) gl_->DeleteVertexArrays(1, &no_vertices_);
+}
+
+double Renderer::near_m(const LodCut& cut) const {
+  // A reversed float depth has precision to spare; without clip control it has that of 24 bits.
+  const double least = gl_->ClipControl != nullptr ? 0.01 : 1e-4 * cut.farthest_m;
+  return std::max({0.5 * cut.nearest_m, least, 1e-3});
+}
+
+double Renderer::skirt_slope(const Camera& camera, const LodCut& cut) {
+  return std::clamp(cut.max_error_px, 1.0, kMostSkirtPx) / (camera.focal_px() * camera.vertical_gain());
+}
+
+void Renderer::draw_background(const Camera& camera, const Style& style) const {
+  const glm::vec3 plain = style.background.value_or(glm::vec3(0));
+  gl_->DepthMask(GL_TRUE);
+  gl_->ClearColor(plain.r, plain.g, plain.b, 1);
+  gl_->ClearDepth(0);
+  gl_->Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  if (style.background) return;
+  const CameraAxes axes = camera.axes();
+  gl_->Disable(GL_DEPTH_TEST);
+  sky_.use();
+  set(*gl_, sky_.uniform("right"), axes.right * camera.tan_half_x());
+  set(*gl_, sky_.uniform("up"), axes.up * camera.tan_half_y());
+  set(*gl_, sky_.uniform("forward"), axes.forward);
+  gl_->BindVertexArray(no_vertices_);
+  gl_->DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Renderer::set_terrain_uniforms(const Camera& camera, const cache::TileBounds& bounds, const LodCut& cut,
+                                    const Style& style) const {
+  const bool zero_to_one = gl_->ClipControl != nullptr;
+  const cache::Box box = bounds.box(bounds.nodes().front());
+  const double level = std::cos(style.sun_elevation_rad);
+  terrain_.use();
+  set(*gl_, terrain_.uniform("eye_to_clip"), camera.projection(near_m(cut), zero_to_one) * camera.view_rotation());
+  set(*gl_, terrain_.uniform("skirt_slope"), skirt_slope(camera, cut));
+  set(*gl_, terrain_.uniform("eye_rise"), camera.eye.z - box.min[2]);
+  set(*gl_, terrain_.uniform("relief"), std::max(box.max[2] - box.min[2], 1e-3));
+  set(*gl_, terrain_.uniform("haze_per_metre"), style.background ? 0.0 : kHaze / std::max(diagonal_m(box), 1e-3));
+  set(*gl_, terrain_.uniform("to_sun"),
+      glm::dvec3(std::sin(style.sun_azimuth_rad) * level, std::cos(style.sun_azimuth_rad) * level,
+                 std::sin(style.sun_elevation_rad)));
+}
+
+DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, const cache::TileBounds& bounds,
+                         const LodCut& cut, GpuTilePool& pool, const Style& style) const {
+  target.bind();
+  if (gl_->ClipControl != nullptr) gl_->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  draw_background(camera, style);
+  DrawStats stats;
+  if (cut.draws.empty()) return stats;
+  gl_->Enable(GL_DEPTH_TEST);
+  gl_->DepthFunc(GL_GREATER);
+  if (style.wireframe) gl_->PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+  set_terrain_uniforms(camera, bounds, cut, style);
+  const GLint address_to_eye = terrain_.uniform("address_to_eye");
+  for (const DrawTile& d : cut.draws) {
+    const GpuTile* tile = pool.use(bounds.nodes()[d.node].id);
+    if (tile == nullptr) continue;
+    const std::array<double, 16> matrix = tile->frame.matrix({camera.eye.x, camera.eye.y, camera.eye.z});
+    set(*gl_, address_to_eye, glm::make_mat4(matrix.data()));
+    const auto surface = static_cast<GLsizei>(3 * tile->surface_triangles);
+    gl_->BindVertexArray(tile->vertex_array);
+    gl_->DrawElements(GL_TRIANGLES, style.skirts ? tile->index_count : surface, GL_UNSIGNED_INT, nullptr);
+    ++stats.tiles;
+    stats.triangles += tile->surface_triangles;
+  }
+  gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  gl_->BindVertexArray(0);
+  return stats;
+}
+
+}  // namespace tintree::render

@@ -1,0 +1,282 @@
+#include "simplify/edge_collapse.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tintree::simplify {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Cost thresholds of the passes, in squared bounds times area units.
+constexpr double kPassThresholds[] = {1e-3, 0.256, 65.536, kInfinity};
+/// The last pass is repeated until fewer than one in this many live vertices collapse.
+constexpr std::int64_t kSettled = 100;
+/// Height error, in bounds, that a vertex may trade for staying near the middle of its edge.
+constexpr double kRidge = 0.05;
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// Twice the signed area, positive counter-clockwise seen from above (y runs southward).
+std::int64_t doubled_area(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& c) {
+  return std::int64_t{c.x - a.x} * (b.y - a.y) - std::int64_t{b.x - a.x} * (c.y - a.y);
+}
+
+std::int64_t cross(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& c, const LatticeVertex& d) {
+  return std::int64_t{b.x - a.x} * (d.y - c.y) - std::int64_t{b.y - a.y} * (d.x - c.x);
+}
+
+}  // namespace
+
+Point EdgeCollapse::point(const LatticeVertex& v) const { return {v.x * lattice_, v.y * lattice_, v.z * spec_.z_step_m}; }
+
+void EdgeCollapse::run(HalfEdgeMesh& mesh, SurfaceDistance& distance, const CollapseSpec& spec, std::vector<CollapseStep>* log) {
+  mesh_ = &mesh;
+  distance_ = &distance;
+  spec_ = spec;
+  log_ = log;
+  lattice_ = std::ldexp(1.0, -spec.sub_bits);
+  init_quadrics();
+  failed_cost_.assign(mesh.vertices.size(), -1);
+  mark_.assign(mesh.vertices.size(), 0);
+  mark_value_ = 0;
+  std::int64_t live = 0;
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) live += mesh.alive(v) ? 1 : 0;
+  const double unit = spec.bound_m * spec.bound_m;
+  for (const double threshold : kPassThresholds) {
+    std::int64_t gone = 0;
+    do {
+      gone = sweep(threshold * unit);
+      live -= gone;
+    } while (threshold == kInfinity && gone * kSettled > live);
+  }
+}
+
+void EdgeCollapse::init_quadrics() {
+  quadrics_.assign(mesh_->vertices.size(), {});
+  for (std::int32_t h = 0; h < mesh_->half_edge_count(); h += 3) {
+    if (!mesh_->triangle_alive(h)) continue;
+    const std::int32_t corners[3] = {mesh_->origin(h), mesh_->origin(h + 1), mesh_->origin(h + 2)};
+    const Point p = point(corners[0]);
+    const Point q = point(corners[1]);
+    const Point r = point(corners[2]);
+    const double d = (q.x - p.x) * (r.y - p.y) - (r.x - p.x) * (q.y - p.y);
+    const double a = ((q.z - p.z) * (r.y - p.y) - (r.z - p.z) * (q.y - p.y)) / d;
+    const double b = ((q.x - p.x) * (r.z - p.z) - (r.x - p.x) * (q.z - p.z)) / d;
+    const Quadric quadric = Quadric::of_plane(a, b, p.z - a * p.x - b * p.y, std::abs(d) / 6 / spec_.area_unit);
+    for (const std::int32_t v : corners) quadrics_[at(v)] += quadric;
+  }
+}
+
+std::int64_t EdgeCollapse::sweep(double threshold) {
+  std::int64_t gone = 0;
+  for (std::int32_t v = 0; v < mesh_->vertex_count(); ++v) {
+    if (!mesh_->alive(v) || kind(v) > VertexKind::kSlide || failed_cost_[at(v)] >= threshold) continue;
+    collect_candidates(v, threshold);
+    bool collapsed = false;
+    for (const Candidate& candidate : candidates_) {
+      if (try_collapse(candidate)) {
+        collapsed = true;
+        ++gone;
+        break;
+      }
+    }
+    if (!collapsed) failed_cost_[at(v)] = threshold;
+  }
+  return gone;
+}
+
+void EdgeCollapse::collect_candidates(std::int32_t vertex, double threshold) {
+  candidates_.clear();
+  const auto consider = [&](std::int32_t half_edge, std::int32_t other) {
+    Candidate candidate{half_edge, vertex, other, 0, {}};
+    if (!propose(candidate) || candidate.cost > threshold || candidate.cost <= failed_cost_[at(vertex)]) return;
+    // Two free ends propose the same collapse: what failed from the other end fails from here.
+    if (kind(other) == VertexKind::kFree && kind(vertex) == VertexKind::kFree && candidate.cost <= failed_cost_[at(other)]) return;
+    candidates_.push_back(candidate);
+  };
+  const std::int32_t start = mesh_->outgoing(vertex);
+  for (std::int32_t h = start; h != kNone;) {
+    consider(h, mesh_->target(h));
+    const std::int32_t following = mesh_->rotate(h);
+    if (following == kNone) consider(HalfEdgeMesh::previous(h), mesh_->origin(HalfEdgeMesh::previous(h)));
+    h = following == start ? kNone : following;
+  }
+  std::ranges::sort(candidates_, [](const Candidate& a, const Candidate& b) {
+    return a.cost != b.cost ? a.cost < b.cost : a.half_edge < b.half_edge;
+  });
+}
+
+/// Where the merged vertex would go and what that costs; false when the two kinds cannot merge.
+bool EdgeCollapse::propose(Candidate& candidate) const {
+  const LatticeVertex& from = mesh_->vertices[at(candidate.gone)];
+  const LatticeVertex& to = mesh_->vertices[at(candidate.kept)];
+  const VertexKind kept_kind = kind(candidate.kept);
+  if (kind(candidate.gone) == VertexKind::kSlide &&
+      (kept_kind == VertexKind::kFree || !follows_outline(candidate.gone, candidate.kept))) {
+    return false;
+  }
+  Quadric sum = quadrics_[at(candidate.gone)];
+  sum += quadrics_[at(candidate.kept)];
+  const Quadric::Plan plan = sum.plan();
+  candidate.position = to;
+  if (kept_kind == VertexKind::kFree) {
+    const double mx = (from.x + to.x) * lattice_ / 2;
+    const double my = (from.y + to.y) * lattice_ / 2;
+    const double ex = (to.x - from.x) * lattice_;
+    const double ey = (to.y - from.y) * lattice_;
+    const double ridge = sum.zz * kRidge * kRidge * spec_.bound_m * spec_.bound_m / (ex * ex + ey * ey);
+    double px = 0;
+    double py = 0;
+    plan.minimise(mx, my, ridge, px, py);
+    // Far outside, the new triangles would fold: no need to look.
+    const double reach = 4 * (std::abs(ex) + std::abs(ey)) + 4;
+    if (!(std::abs(px - mx) < reach) || !(std::abs(py - my) < reach)) {
+      px = mx;
+      py = my;
+    }
+    candidate.position.x = static_cast<std::int32_t>(std::lround(px / lattice_));
+    candidate.position.y = static_cast<std::int32_t>(std::lround(py / lattice_));
+  }
+  const double px = candidate.position.x * lattice_;
+  const double py = candidate.position.y * lattice_;
+  candidate.cost = plan.at(px, py);
+  if (kept_kind == VertexKind::kLocked) {
+    const double off = to.z * spec_.z_step_m - sum.best_height(px, py);
+    candidate.cost += sum.zz * off * off;
+  }
+  candidate.cost = std::max(candidate.cost, 0.0);
+  return true;
+}
+
+bool EdgeCollapse::on_line(const LatticeVertex& v) const {
+  return (spec_.line == CollapseSpec::Line::kX && v.x == 0) || (spec_.line == CollapseSpec::Line::kY && v.y == 0);
+}
+
+/// Whether `other` lies on the straight line that `slider` slides along.
+bool EdgeCollapse::follows_outline(std::int32_t slider, std::int32_t other) const {
+  const LatticeVertex& here = mesh_->vertices[at(slider)];
+  const LatticeVertex& there = mesh_->vertices[at(other)];
+  if (spec_.line != CollapseSpec::Line::kAbsent) return on_line(here) && on_line(there);
+  const LatticeVertex& ahead = mesh_->vertices[at(mesh_->target(mesh_->outgoing(slider)))];
+  return cross(here, ahead, here, there) == 0;
+}
+
+/// Collects the outer edges and the spokes of the star that the collapse would leave. The own triangles of
+/// a hub that stays as it is do not change and are left out.
+void EdgeCollapse::gather_star(const Candidate& candidate) {
+  outer_.clear();
+  spokes_.clear();
+  append_star(candidate.gone, candidate.kept);
+  const bool hub_stays = kind(candidate.kept) == VertexKind::kLocked;
+  if (!hub_stays) append_star(candidate.kept, candidate.gone);
+  for (const OuterEdge& e : outer_) spokes_.push_back(e.from);
+  if (mesh_->on_outline(candidate.gone) || mesh_->on_outline(candidate.kept) || hub_stays) {
+    // An open fan: its last corner starts no outer edge.
+    for (const OuterEdge& e : outer_) {
+      if (std::ranges::none_of(outer_, [&](const OuterEdge& o) { return o.from == e.to; })) spokes_.push_back(e.to);
+    }
+  }
+  if (hub_stays) {
+    // The apexes are joined to the hub already.
+    const std::int32_t h = candidate.half_edge;
+    std::erase(spokes_, mesh_->origin(HalfEdgeMesh::previous(h)));
+    if (mesh_->twin(h) != kNone) std::erase(spokes_, mesh_->origin(HalfEdgeMesh::previous(mesh_->twin(h))));
+  }
+}
+
+/// Appends the outer edges of those triangles of `vertex` that do not hold `other`.
+void EdgeCollapse::append_star(std::int32_t vertex, std::int32_t other) {
+  const std::int32_t start = mesh_->outgoing(vertex);
+  for (std::int32_t h = start; h != kNone;) {
+    const std::int32_t from = mesh_->target(h);
+    const std::int32_t to = mesh_->origin(HalfEdgeMesh::previous(h));
+    if (from != other && to != other) outer_.push_back({from, to});
+    const std::int32_t following = mesh_->rotate(h);
+    h = following == start ? kNone : following;
+  }
+}
+
+/// The link condition: the two ends share exactly the apexes of the edge's own triangles.
+bool EdgeCollapse::link_is_simple(const Candidate& candidate) {
+  const bool inside = mesh_->twin(candidate.half_edge) != kNone;
+  // Two outlines must not be pinched together across the mesh.
+  if (inside && mesh_->on_outline(candidate.gone) && mesh_->on_outline(candidate.kept)) return false;
+  ++mark_value_;
+  const auto visit = [&](std::int32_t v, const auto& f) {
+    const std::int32_t start = mesh_->outgoing(v);
+    for (std::int32_t h = start; h != kNone;) {
+      f(mesh_->target(h));
+      const std::int32_t following = mesh_->rotate(h);
+      if (following == kNone) f(mesh_->origin(HalfEdgeMesh::previous(h)));
+      h = following == start ? kNone : following;
+    }
+  };
+  visit(candidate.gone, [&](std::int32_t n) { mark_[at(n)] = mark_value_; });
+  int shared = 0;
+  visit(candidate.kept, [&](std::int32_t n) { shared += mark_[at(n)] == mark_value_ ? 1 : 0; });
+  return shared == (inside ? 2 : 1);
+}
+
+/// The height of the merged vertex that costs least of those that keep the bound; false when there is none.
+bool EdgeCollapse::fit_height(const Candidate& candidate, LatticeVertex& position) {
+  const bool fixed = kind(candidate.kept) == VertexKind::kLocked;
+  const bool line = on_line(position);
+  Point hub = point(position);
+  HeightInterval interval{0, 0};
+  if (!fixed) {
+    hub.z = distance_->height_at(hub.x, hub.y);
+    if (std::isnan(hub.z)) return false;
+    const double reach = line ? spec_.line_bound_m : spec_.bound_m;
+    interval = {-reach, reach};
+  }
+  for (const OuterEdge& e : outer_) {
+    distance_->clip_triangle(hub, point(e.from), point(e.to), spec_.bound_m, interval);
+    if (interval.empty()) return false;
+  }
+  for (const std::int32_t s : spokes_) {
+    const bool along = line && on_line(mesh_->vertices[at(s)]);
+    distance_->clip_spoke(hub, point(s), along ? spec_.line_bound_m : spec_.bound_m, interval);
+    if (interval.empty()) return false;
+  }
+  if (fixed) return true;
+  Quadric sum = quadrics_[at(candidate.gone)];
+  sum += quadrics_[at(candidate.kept)];
+  // Rounded inward: what is stored is what was tested.
+  const double lowest = std::ceil((hub.z + interval.lo) / spec_.z_step_m);
+  const double highest = std::floor((hub.z + interval.hi) / spec_.z_step_m);
+  if (lowest > highest) return false;
+  const double wished = std::round(sum.best_height(hub.x, hub.y) / spec_.z_step_m);
+  position.z = static_cast<std::int32_t>(std::clamp(wished, lowest, highest));
+  return true;
+}
+
+bool EdgeCollapse::try_collapse(const Candidate& candidate) {
+  gather_star(candidate);
+  if (outer_.empty()) return false;
+  LatticeVertex position = candidate.position;
+  for (const OuterEdge& e : outer_) {
+    if (doubled_area(position, mesh_->vertices[at(e.from)], mesh_->vertices[at(e.to)]) <= 0) return false;
+  }
+  if (!link_is_simple(candidate) || !fit_height(candidate, position)) return false;
+  quadrics_[at(candidate.kept)] += quadrics_[at(candidate.gone)];
+  mesh_->collapse(candidate.half_edge, candidate.kept);
+  mesh_->vertices[at(candidate.kept)] = position;
+  if (log_ != nullptr) log_->push_back({candidate.gone, candidate.kept, position});
+  forgive_around(candidate.kept);
+  return true;
+}
+
+/// What failed around a changed vertex may succeed now.
+void EdgeCollapse::forgive_around(std::int32_t vertex) {
+  failed_cost_[at(vertex)] = -1;
+  const std::int32_t start = mesh_->outgoing(vertex);
+  for (std::int32_t h = start; h != kNone;) {
+    failed_cost_[at(mesh_->target(h))] = -1;
+    const std::int32_t following = mesh_->rotate(h);
+    if (following == kNone) failed_cost_[at(mesh_->origin(HalfEdgeMesh::previous(h)))] = -1;
+    h = following == start ? kNone : following;
+  }
+}
+
+}  // namespace tintree::simplify

@@ -1,0 +1,214 @@
+#include "simplify/reference_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/task_group.h>
+#include <xxhash.h>
+
+namespace tintree::simplify {
+namespace {
+
+using cache::HeightBlock;
+using cache::kBlockSamples;
+using cache::kBlockStride;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+const HeightBlock& missing_block() {
+  static const HeightBlock block = [] {
+    HeightBlock b;
+    b.heights.assign(std::size_t{kBlockStride} * kBlockSamples, kNaN);
+    return b;
+  }();
+  return block;
+}
+
+float round_down(double v) {
+  const auto f = static_cast<float>(v);
+  return static_cast<double>(f) <= v ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
+}
+
+float round_up(double v) { return -round_down(-v); }
+
+/// Least-squares plane through 17 x 17 samples of the square, then the exact residual range over all.
+PlanePatch fit(const HeightBlock& block, int i0, int j0, int cells) {
+  const int stride = cells / 16;
+  double sum = 0;
+  double sum_x = 0;
+  double sum_y = 0;
+  for (int j = 0; j <= 16; ++j) {
+    const float* line = block.row(j0 + j * stride) + i0;
+    for (int i = 0; i <= 16; ++i) {
+      const double h = line[i * stride];
+      sum += h;
+      sum_x += (i - 8) * h;
+      sum_y += (j - 8) * h;
+    }
+  }
+  // The sum of (i - 8)^2 over 17 x 17 points is 17 * 408.
+  PlanePatch patch;
+  patch.a = static_cast<float>(sum_x / (17 * 408) / stride);
+  patch.b = static_cast<float>(sum_y / (17 * 408) / stride);
+  const double centre = cells / 2;
+  patch.c = static_cast<float>(sum / 289 - (static_cast<double>(patch.a) + static_cast<double>(patch.b)) * centre + block.base_m);
+  if (!std::isfinite(patch.a) || !std::isfinite(patch.b) || !std::isfinite(patch.c)) {
+    patch.a = patch.b = 0;
+    patch.c = static_cast<float>(block.base_m);
+  }
+
+  double low = kInfinity;
+  double high = -kInfinity;
+  const double a = patch.a;
+  for (int j = 0; j <= cells; ++j) {
+    const float* line = block.row(j0 + j) + i0;
+    const double start = static_cast<double>(patch.c) - block.base_m + static_cast<double>(patch.b) * j;
+    double row_low = kInfinity;
+    double row_high = -kInfinity;
+    for (int i = 0; i <= cells; ++i) {
+      const double r = static_cast<double>(line[i]) - (start + a * i);
+      row_low = r < row_low ? r : row_low;
+      row_high = r > row_high ? r : row_high;
+    }
+    low = std::min(low, row_low);
+    high = std::max(high, row_high);
+  }
+  patch.low = round_down(low);
+  patch.high = round_up(high);
+  return patch;
+}
+
+bool any_missing(const HeightBlock& block, int i0, int j0, int cells) {
+  for (int j = 0; j <= cells; ++j) {
+    const float* line = block.row(j0 + j) + i0;
+    if (std::any_of(line, line + cells + 1, [](float h) { return std::isnan(h); })) return true;
+  }
+  return false;
+}
+
+PlanePatch make_patch(const HeightBlock& block, int i0, int j0, int cells) {
+  PlanePatch patch = fit(block, i0, j0, cells);
+  if (!block.all_valid && !patch.empty() && any_missing(block, i0, j0, cells)) patch.low = kNaN;
+  return patch;
+}
+
+std::array<double, 2> range_of(const HeightBlock& block, std::uint64_t& valid) {
+  double low = kInfinity;
+  double high = -kInfinity;
+  for (int j = 0; j < kBlockSamples; ++j) {
+    const float* line = block.row(j);
+    for (int i = 0; i < kBlockSamples; ++i) {
+      const double h = static_cast<double>(line[i]);
+      low = h < low ? h : low;
+      high = h > high ? h : high;
+    }
+  }
+  // Samples on the shared sides belong to the next block, except at the end of the raster; counting
+  // those of the block's own cells is near enough for a total.
+  for (int j = 0; j < cache::kBlockCells; ++j) {
+    const float* line = block.row(j);
+    for (int i = 0; i < cache::kBlockCells; ++i) valid += std::isnan(line[i]) ? 0 : 1;
+  }
+  return {low + block.base_m, high + block.base_m};
+}
+
+}  // namespace
+
+BlockPatches make_patches(const HeightBlock& block) {
+  BlockPatches out;
+  for (int j = 0; j < 16; ++j) {
+    for (int i = 0; i < 16; ++i) out.fine[static_cast<std::size_t>(j * 16 + i)] = make_patch(block, i * 16, j * 16, 16);
+  }
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 4; ++i) out.middle[static_cast<std::size_t>(j * 4 + i)] = make_patch(block, i * 64, j * 64, 64);
+  }
+  out.whole = make_patch(block, 0, 0, 256);
+  return out;
+}
+
+Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
+    std::shared_ptr<cache::HeightBlocks> blocks,
+    const std::function<bool(std::uint64_t done, std::uint64_t total)>& progress) {
+  auto out = std::make_unique<ReferenceSurface>();
+  out->blocks_ = std::move(blocks);
+  const std::int64_t across = out->blocks_->blocks_x();
+  const auto total = static_cast<std::size_t>(across * out->blocks_->blocks_y());
+  out->patches_.resize(total);
+  out->ranges_.resize(total);
+  std::vector<XXH128_hash_t> hashes(total);
+  std::vector<std::uint64_t> valid(total);
+  std::uint64_t done = 0;
+  bool stopped = false;
+  tbb::task_group tasks;
+  auto streamed = out->blocks_->stream([&](std::int64_t bx, std::int64_t by, const std::shared_ptr<const HeightBlock>& block) {
+    const auto at = static_cast<std::size_t>(by * across + bx);
+    tasks.run([&, at, block] {
+      out->patches_[at] = make_patches(*block);
+      out->ranges_[at] = range_of(*block, valid[at]);
+      hashes[at] = XXH3_128bits_withSeed(block->heights.data(), block->heights.size() * sizeof(float),
+                                         static_cast<XXH64_hash_t>(static_cast<std::int64_t>(block->base_m)));
+    });
+    // Lets no more than a band of blocks pile up.
+    if (++done % 32 == 0) tasks.wait();
+    stopped = !progress(done, total);
+    return !stopped;
+  });
+  tasks.wait();
+  if (!streamed) return tl::unexpected(streamed.error());
+  if (stopped) return fail(ErrorCode::kStopped, "stopped while reading the DEM");
+  for (const std::uint64_t v : valid) out->valid_samples_ += v;
+  const XXH128_hash_t all = XXH3_128bits(hashes.data(), hashes.size() * sizeof(XXH128_hash_t));
+  out->digest_ = fmt::format("{:016x}{:016x}", all.high64, all.low64);
+  return out;
+}
+
+std::array<double, 2> ReferenceSurface::height_range_m(const codec::CellRect& cells) const {
+  std::array<double, 2> range{kInfinity, -kInfinity};
+  if (cells.empty()) return range;
+  for (std::int64_t by = cells.row0 >> 8; by <= (cells.row1 - 1) >> 8; ++by) {
+    for (std::int64_t bx = cells.column0 >> 8; bx <= (cells.column1 - 1) >> 8; ++bx) {
+      const auto& r = ranges_[static_cast<std::size_t>(by * blocks_->blocks_x() + bx)];
+      range = {std::min(range[0], r[0]), std::max(range[1], r[1])};
+    }
+  }
+  return range;
+}
+
+double SurfaceView::sample(std::int64_t column, std::int64_t row) {
+  const cache::HeightBlocks& blocks = surface_->blocks();
+  if (column < 0 || row < 0 || column >= blocks.columns() || row >= blocks.rows()) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  // The last column and row belong to the block before them.
+  const std::int64_t cell_x = std::min(column, blocks.columns() - 2);
+  const std::int64_t cell_y = std::min(row, blocks.rows() - 2);
+  const HeightBlock& block = block_of(cell_x, cell_y);
+  const auto i = static_cast<int>(column - (cell_x & ~std::int64_t{255}));
+  const auto j = static_cast<int>(row - (cell_y & ~std::int64_t{255}));
+  return static_cast<double>(block.row(j)[i]) + block.base_m;
+}
+
+const HeightBlock& SurfaceView::fetch(std::int64_t bx, std::int64_t by) {
+  cache::HeightBlocks& blocks = surface_->blocks();
+  if (error_ || bx < 0 || by < 0 || bx >= blocks.blocks_x() || by >= blocks.blocks_y()) return missing_block();
+  const std::int64_t key = by * blocks.blocks_x() + bx;
+  Pin& pin = pins_[static_cast<std::size_t>((bx & 7) + 8 * (by & 7))];
+  if (pin.key != key) {
+    auto block = blocks.get(bx, by);
+    if (!block) {
+      error_ = block.error();
+      return missing_block();
+    }
+    pin = {key, std::move(*block)};
+  }
+  last_ = pin.block.get();
+  last_bx_ = bx;
+  last_by_ = by;
+  return *last_;
+}
+
+}  // namespace tintree::simplify

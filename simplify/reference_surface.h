@@ -1,0 +1,115 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cache/height_blocks.h"
+#include "codec/error.h"
+#include "codec/grid_frame.h"
+
+namespace tintree::simplify {
+
+/// A plane with the exact range of the reference surface's residuals against it over one square of
+/// cells. For every point (x, y) of the square where the surface exists,
+///   c + a (x - x0) + b (y - y0) + low <= S(x, y) <= c + a (x - x0) + b (y - y0) + high,
+/// x and y in samples from the square's north-west corner (x0, y0), heights in metres.
+/// low is NaN when a sample is missing (nothing can be concluded), and low > high when all are.
+struct PlanePatch {
+  float a = 0;
+  float b = 0;
+  float c = 0;
+  float low = 0;
+  float high = 0;
+
+  bool empty() const { return low > high; }
+};
+
+/// Sides in cells of the squares that a block is summarised over, fine to coarse.
+inline constexpr std::array<int, 3> kPatchCells{16, 64, 256};
+
+/// The residual pyramid of one block: a PlanePatch for each of its 16-cell, 64-cell and 256-cell squares,
+/// row-major. It decides most checks of large triangles without the samples (docs/accuracy.md).
+struct BlockPatches {
+  std::array<PlanePatch, 256> fine;
+  std::array<PlanePatch, 16> middle;
+  PlanePatch whole;
+
+  /// Patch of size index `size` (of kPatchCells) that contains cell (i, j) of the block.
+  const PlanePatch& at(int size, int i, int j) const {
+    return size == 0 ? fine[static_cast<std::size_t>((j >> 4) * 16 + (i >> 4))]
+                     : size == 1 ? middle[static_cast<std::size_t>((j >> 6) * 4 + (i >> 6))] : whole;
+  }
+};
+
+BlockPatches make_patches(const cache::HeightBlock& block);
+
+/// The DEM's surface S (docs/accuracy.md): samples joined into a regular triangulation whose diagonals run
+/// from north-west to south-east. Holds the residual pyramid of the whole DEM; samples are paged.
+/// Immutable after scan() and safe to share between threads.
+class ReferenceSurface {
+ public:
+  /// Reads the DEM once. `progress(done, total)` counts blocks and returns false to stop (kStopped).
+  static Expected<std::unique_ptr<ReferenceSurface>> scan(
+      std::shared_ptr<cache::HeightBlocks> blocks,
+      const std::function<bool(std::uint64_t done, std::uint64_t total)>& progress);
+
+  cache::HeightBlocks& blocks() const { return *blocks_; }
+  const BlockPatches& patches(std::int64_t bx, std::int64_t by) const {
+    return patches_[static_cast<std::size_t>(by * blocks_->blocks_x() + bx)];
+  }
+  /// Samples that exist.
+  std::uint64_t valid_samples() const { return valid_samples_; }
+  /// XXH3-128 over all samples, in hexadecimal.
+  const std::string& digest() const { return digest_; }
+  /// Lowest and highest sample of a rectangle of cells, widened to whole blocks; {+inf, -inf} when none.
+  std::array<double, 2> height_range_m(const codec::CellRect& cells) const;
+
+ private:
+  std::shared_ptr<cache::HeightBlocks> blocks_;
+  std::vector<BlockPatches> patches_;
+  std::vector<std::array<double, 2>> ranges_;
+  std::uint64_t valid_samples_ = 0;
+  std::string digest_;
+};
+
+/// One thread's access to the samples: keeps the blocks it uses pinned, a bounded number of them. The first
+/// failure to read is kept in error() and everything after it reads as missing, so that inner loops
+/// need not look. Not thread-safe.
+class SurfaceView {
+ public:
+  explicit SurfaceView(const ReferenceSurface& surface) : surface_(&surface) {}
+
+  const ReferenceSurface& surface() const { return *surface_; }
+  /// The block of cell (column, row); valid until the next call. Cells outside the DEM read as missing.
+  const cache::HeightBlock& block_of(std::int64_t column, std::int64_t row) {
+    const std::int64_t bx = column >> 8;
+    const std::int64_t by = row >> 8;
+    return bx == last_bx_ && by == last_by_ ? *last_ : fetch(bx, by);
+  }
+  /// Height of a sample in metres, NaN when it is missing or outside the DEM.
+  double sample(std::int64_t column, std::int64_t row);
+  const std::optional<Error>& error() const { return error_; }
+
+ private:
+  const cache::HeightBlock& fetch(std::int64_t bx, std::int64_t by);
+
+  static constexpr std::size_t kPinnedBlocks = 64;
+
+  const ReferenceSurface* surface_;
+  struct Pin {
+    std::int64_t key = -1;
+    std::shared_ptr<const cache::HeightBlock> block;
+  };
+  std::array<Pin, kPinnedBlocks> pins_;
+  const cache::HeightBlock* last_ = nullptr;
+  std::int64_t last_bx_ = -1;
+  std::int64_t last_by_ = -1;
+  std::optional<Error> error_;
+};
+
+}  // namespace tintree::simplify

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "codec/error.h"
+#include "codec/grid_frame.h"
+#include "codec/tile_mesh.h"
+#include "simplify/reference_surface.h"
+
+namespace tintree::simplify {
+
+/// Makes tiles: the geometry half of a method (its codec is the other). A tile is a pure function of the DEM's
+/// samples in and next to its square, so tiles can be made in any order, on any thread, again after a crash.
+/// One maker serves one thread.
+class TileMaker {
+ public:
+  virtual ~TileMaker() = default;
+
+  /// A mesh over the existing surface in the tile's square, within the level's bound of it everywhere; without
+  /// triangles when there is no surface. Fails with kBadData when the heights do not fit the lattice, and with
+  /// what the DEM's reader says.
+  virtual Expected<codec::TileMesh> make(const codec::TileId& id) = 0;
+};
+
+/// A maker of the method ("tin"), or null for one that this version lacks.
+std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,
+                                           const codec::TreeLayout& layout);
+
+}  // namespace tintree::simplify

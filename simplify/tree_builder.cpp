@@ -1,0 +1,157 @@
+#include "simplify/tree_builder.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <unordered_set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include "codec/mesh_codec.h"
+#include "simplify/tile_maker.h"
+
+namespace tintree::simplify {
+namespace {
+
+using codec::TileId;
+
+constexpr double kStepsPerBound = 4;
+/// Heights are counted in 32-bit steps from 0.
+constexpr double kMaxSteps = 1 << 30;
+
+/// All tiles that hold cells of the raster, depth-first, children before their parent.
+void list_tiles(const codec::TreeLayout& layout, const TileId& id, std::vector<TileId>& out) {
+  if (layout.cells(id).empty()) return;
+  if (id.level < layout.leaf_level) {
+    for (int q = 0; q < 4; ++q) list_tiles(layout, id.child(q), out);
+  }
+  out.push_back(id);
+}
+
+/// The largest height difference within any tile of the level.
+double largest_relief(const ReferenceSurface& surface, const codec::TreeLayout& layout, int level) {
+  double relief = 0;
+  for (std::uint32_t y = 0; y < layout.tiles_y(level); ++y) {
+    for (std::uint32_t x = 0; x < layout.tiles_x(level); ++x) {
+      const auto range = surface.height_range_m(layout.cells({level, x, y}));
+      relief = std::max(relief, range[1] - range[0]);
+    }
+  }
+  return relief;
+}
+
+struct MadeTile {
+  cache::StoredTile tile;
+  std::optional<Error> error;
+  double seconds = 0;
+};
+
+/// Makes, checks and encodes one tile.
+MadeTile make_one(TileMaker& maker, const codec::MeshCodec& codec, const cache::Manifest& manifest, const TileId& id) {
+  const auto begun = std::chrono::steady_clock::now();
+  MadeTile out;
+  out.tile.info.id = id;
+  auto mesh = maker.make(id);
+  if (!mesh) {
+    out.error = mesh.error();
+    return out;
+  }
+  if (!mesh->triangles.empty()) {
+    auto payload = codec.encode(*mesh);
+    if (!payload) {
+      out.error = payload.error();
+      out.error->where = "tile " + id.text();
+      return out;
+    }
+    out.tile.payload = std::move(*payload);
+    const codec::GridFrame frame(manifest.layout, id, *mesh);
+    const auto [lowest, highest] = std::ranges::minmax(mesh->vertices, {}, &codec::GridVertex::z);
+    out.tile.info.z_min_m = frame.height_m(lowest.z);
+    out.tile.info.z_max_m = frame.height_m(highest.z);
+    out.tile.info.vertices = static_cast<std::uint32_t>(mesh->vertices.size());
+    out.tile.info.triangles = static_cast<std::uint32_t>(mesh->triangles.size());
+  }
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  return out;
+}
+
+}  // namespace
+
+Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout) {
+  std::vector<double> steps;
+  for (int level = 0; level <= layout.leaf_level; ++level) {
+    const double bound = layout.bound_m(level);
+    // A vertex may lie off the samples by the bound.
+    const double relief = largest_relief(surface, layout, level) + 2 * bound;
+    double step = bound / kStepsPerBound;
+    while (relief / step > codec::kMaxHeightAddress && step < bound) step *= 2;
+    const auto range = surface.height_range_m(layout.cells({0, 0, 0}));
+    const double farthest = std::max(std::abs(range[0]), std::abs(range[1]));
+    const double needed = std::max(relief / step / codec::kMaxHeightAddress, farthest / step / kMaxSteps);
+    if (needed > 1) {
+      return fail(ErrorCode::kBadData,
+                  fmt::format("heights differ by up to {:.6g} m within a tile of level {}, too much for 16 bits at an error of {:.6g} m; "
+                              "choose --error {:.3g} or more, or mark wrong samples as nodata",
+                              relief, level, layout.leaf_error_m, 1.1 * layout.leaf_error_m * needed));
+    }
+    steps.push_back(step);
+  }
+  return steps;
+}
+
+Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, const cache::Manifest& manifest,
+                                               cache::TileWriter& writer, const ProgressFn& progress) {
+  const codec::TreeLayout& layout = manifest.layout;
+  const codec::MeshCodec* codec = codec::find_codec(manifest.method);
+  if (codec == nullptr) return fail(ErrorCode::kUsage, "method '" + manifest.method + "' is unknown", "--method");
+  auto present = writer.keys();
+  if (!present) return tl::unexpected(present.error());
+  const std::unordered_set<std::int64_t> done_before(present->begin(), present->end());
+
+  std::vector<TileId> todo;
+  list_tiles(layout, {0, 0, 0}, todo);
+  const std::uint64_t total = todo.size();
+  std::erase_if(todo, [&](const TileId& id) { return done_before.contains(id.key()); });
+
+  std::vector<LevelSummary> levels(static_cast<std::size_t>(layout.leaf_level) + 1);
+  tbb::enumerable_thread_specific<std::unique_ptr<TileMaker>> makers(
+      [&] { return make_tile_maker(manifest.method, surface, layout); });
+  std::optional<Error> error;
+  std::size_t next = 0;
+  std::uint64_t done = total - todo.size();
+  std::atomic<bool> halt = false;
+  const auto tokens = static_cast<std::size_t>(4 * tbb::this_task_arena::max_concurrency());
+  tbb::parallel_pipeline(
+      tokens,
+      tbb::make_filter<void, TileId>(tbb::filter_mode::serial_in_order,
+                                     [&](tbb::flow_control& control) {
+                                       if (halt || next == todo.size()) {
+                                         control.stop();
+                                         return TileId{};
+                                       }
+                                       return todo[next++];
+                                     }) &
+          tbb::make_filter<TileId, MadeTile>(tbb::filter_mode::parallel,
+                                             [&](const TileId& id) { return make_one(*makers.local(), *codec, manifest, id); }) &
+          tbb::make_filter<MadeTile, void>(tbb::filter_mode::serial_out_of_order, [&](const MadeTile& made) {
+            if (!error && made.error) error = made.error;
+            if (!error && !made.tile.payload.empty()) {
+              if (auto put = writer.put(made.tile); !put) error = put.error();
+            }
+            levels[static_cast<std::size_t>(made.tile.info.id.level)].make_seconds += made.seconds;
+            const bool go_on = progress("tiles", ++done, total);
+            if (error || !go_on) halt = true;
+          }));
+  if (auto committed = writer.commit(); !committed && !error) error = committed.error();
+  if (error) return tl::unexpected(*error);
+  if (halt && done < total) return fail(ErrorCode::kStopped, "stopped; what is finished is kept");
+  return levels;
+}
+
+}  // namespace tintree::simplify

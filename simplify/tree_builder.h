@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "cache/manifest.h"
+#include "cache/tile_store.h"
+#include "codec/error.h"
+#include "simplify/reference_surface.h"
+
+namespace tintree::simplify {
+
+/// Told of the work as it goes, from one thread at a time; returns false to stop it.
+using ProgressFn = std::function<bool(const std::string& step, std::uint64_t done, std::uint64_t total)>;
+
+/// One level of a finished tree.
+struct LevelSummary {
+  int level = 0;
+  std::uint64_t tiles = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t triangles = 0;
+  std::uint64_t bytes = 0;  ///< Payloads.
+  double bound_m = 0;
+  double error_m = 0;  ///< Largest measured error of a tile.
+  double rms_m = 0;    ///< Over all its tiles' samples.
+  double make_seconds = 0;  ///< Spent by all threads together in this run.
+};
+
+/// The height steps of every level: a quarter of its bound, doubled where a tile's relief would not fit
+/// 16 bits. Fails with kBadData when even a step of the whole bound is too fine; says what error would do.
+Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout);
+
+/// Makes all tiles that `writer` lacks, in depth-first Z-order, children before their parent, over all threads
+/// of the current oneTBB arena, and commits them in batches. The tiles are the same whatever the number of
+/// threads. Memory: a constant number of tiles a thread.
+Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, const cache::Manifest& manifest,
+                                               cache::TileWriter& writer, const ProgressFn& progress);
+
+/// Decodes every tile again and measures it against the DEM in one pass over the DEM, all levels at once;
+/// stores the measured errors and adds them to `levels`. kCheckFailed if a tile breaks its level's bound.
+Expected<void> measure_tiles(const ReferenceSurface& surface, const cache::Manifest& manifest, cache::TileWriter& writer,
+                             std::vector<LevelSummary>& levels, const ProgressFn& progress);
+
+}  // namespace tintree::simplify

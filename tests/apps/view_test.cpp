@@ -1,0 +1,186 @@
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/view/navigation.h"
+#include "tests/render/analytic_tree.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temp_dir.h"
+
+namespace tintree::view {
+namespace {
+
+/// The command line; TINTREE_VIEW is the program's path.
+class ViewProgram : public testing::Test {
+ protected:
+  void SetUp() override { test::AnalyticTree().write(tree_); }
+
+  test::ProgramResult view(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"-u", "DISPLAY", "-u", "WAYLAND_DISPLAY", TINTREE_VIEW});
+    return test::run_program("/usr/bin/env", arguments);
+  }
+
+  /// One line of error, which names what it is about.
+  static void expect_failure(const test::ProgramResult& r, int code, const std::string& about) {
+    EXPECT_EQ(r.exit_code, code) << r.all();
+    EXPECT_NE(r.err.find(about), std::string::npos) << r.err;
+    EXPECT_EQ(std::ranges::count(r.err, '\n'), 1) << r.err;
+  }
+
+  test::TempDir dir_;
+  std::string tree_ = dir_.file("small.tintree");
+};
+
+TEST_F(ViewProgram, WritesAPictureAndItsFigures) {
+  const std::string png = dir_.file("picture.png");
+  const std::string json = dir_.file("figures.json");
+  const auto r = view({tree_, "--headless", "osmesa", "--screenshot", png, "--size", "200x100", "--json", json});
+  ASSERT_EQ(r.exit_code, 0) << r.all();
+  EXPECT_EQ(test::read_file(png).substr(1, 3), "PNG");
+  const auto figures = nlohmann::json::parse(test::read_file(json));
+  EXPECT_EQ(figures.at("width_px"), 200);
+  EXPECT_GT(figures.at("triangles").get<int>(), 100);
+  EXPECT_GE(figures.at("tiles").get<int>(), 1);
+  EXPECT_GT(figures.at("seconds").get<double>(), 0);
+  EXPECT_LE(figures.at("max_error_px").get<double>(), 1);
+  EXPECT_FALSE(std::filesystem::exists(png + ".tmp"));
+}
+
+TEST_F(ViewProgram, DrawsThroughEglWhereThereIsOneTheSamePicture) {
+  const auto osmesa = view({tree_, "--headless", "osmesa", "--screenshot", dir_.file("a.png"), "--quiet"});
+  const auto egl = view({tree_, "--headless", "egl", "--screenshot", dir_.file("b.png"), "--quiet"});
+  ASSERT_EQ(osmesa.exit_code, 0) << osmesa.all();
+  if (egl.exit_code == 4) GTEST_SKIP() << egl.err;
+  ASSERT_EQ(egl.exit_code, 0) << egl.all();
+  EXPECT_TRUE(std::filesystem::exists(dir_.file("b.png")));
+}
+
+TEST_F(ViewProgram, TakesAnEyeAndATarget) {
+  const std::string json = dir_.file("figures.json");
+  const auto r = view({tree_, "--headless", "osmesa", "--eye", "-100.5,-2000,900", "--target", "640,-640,0", "--pixel-error", "0",
+                       "--json", json, "--quiet"});
+  ASSERT_EQ(r.exit_code, 0) << r.all();
+  EXPECT_EQ(r.all(), "");
+  const auto figures = nlohmann::json::parse(test::read_file(json));
+  EXPECT_EQ(figures.at("eye_m"), nlohmann::json({-100.5, -2000.0, 900.0}));
+  EXPECT_EQ(figures.at("target_m"), nlohmann::json({640.0, -640.0, 0.0}));
+  EXPECT_EQ(figures.at("tiles"), 16);
+}
+
+TEST_F(ViewProgram, SaysWhatIsWrongWithTheCommandLine) {
+  const std::vector<std::string> base{tree_, "--headless", "osmesa"};
+  for (const auto& [option, value] : std::vector<std::pair<std::string, std::string>>{
+           {"--size", "0x5"}, {"--size", "640"}, {"--size", "640x480x2"}, {"--size", "axb"}, {"--size", "99999x10"},
+           {"--eye", "1,2"}, {"--eye", "1,2,x"}, {"--target", "1,2,3,4"}, {"--target", "nan,0,0"}, {"--pixel-error", "-1"},
+           {"--pixel-error", "many"}, {"--headless", "glx"}}) {
+    std::vector<std::string> arguments = option == "--headless" ? std::vector<std::string>{tree_} : base;
+    arguments.insert(arguments.end(), {option, value});
+    expect_failure(view(arguments), 2, option);
+  }
+  expect_failure(view({tree_, "--no-such-option"}), 2, "--no-such-option");
+  expect_failure(view({}), 2, "TREE");
+  expect_failure(view({tree_, "--headless", "osmesa", "--eye", "1,2,3", "--target", "1,2,3"}), 2, "--eye");
+}
+
+TEST_F(ViewProgram, SaysWhatIsWrongWithTheFile) {
+  expect_failure(view({dir_.file("none.tintree"), "--headless", "osmesa"}), 4, "none.tintree");
+  expect_failure(view({dir_.path(), "--headless", "osmesa"}), 4, dir_.path());
+  const std::string text = dir_.file("text.tintree");
+  test::write_file(text, "this is no tree\n");
+  expect_failure(view({text, "--headless", "osmesa"}), 3, "text.tintree");
+  const std::string cut = dir_.file("cut.tintree");
+  const std::string whole = test::read_file(tree_);
+  test::write_file(cut, whole.substr(0, whole.size() / 2 + 100));
+  expect_failure(view({cut, "--headless", "osmesa"}), 3, "cut.tintree");
+}
+
+// Flips one bit anywhere in the tiles: a picture with a hole or of wrong heights would be a lie.
+TEST_F(ViewProgram, RefusesADamagedTile) {
+  std::string bytes = test::read_file(tree_);
+  const std::size_t at = bytes.rfind("DRACO");
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 40] = static_cast<char>(bytes[at + 40] ^ 4);
+  const std::string bad = dir_.file("bad.tintree");
+  test::write_file(bad, bytes);
+  const std::string png = dir_.file("bad.png");
+  expect_failure(view({bad, "--headless", "osmesa", "--pixel-error", "0", "--screenshot", png}), 3, "damaged");
+  EXPECT_FALSE(std::filesystem::exists(png));
+}
+
+TEST_F(ViewProgram, WithoutADisplaySaysWhatToDo) { expect_failure(view({tree_}), 4, "--headless osmesa"); }
+
+TEST_F(ViewProgram, SaysWhenThePictureCannotBeWritten) {
+  const std::string png = dir_.file("no/such/folder.png");
+  expect_failure(view({tree_, "--headless", "osmesa", "--screenshot", png}), 4, png);
+}
+
+render::Camera looking(const glm::dvec3& eye, const glm::dvec3& target) {
+  render::Camera c;
+  c.eye = eye;
+  c.target = target;
+  return c;
+}
+
+TEST(Navigation, OrbitKeepsTargetAndDistance) {
+  const render::Camera c = looking({1000, -4000, 3000}, {500, -500, 100});
+  const render::Camera turned = orbit(c, 100, -40);
+  EXPECT_EQ(turned.target, c.target);
+  EXPECT_NEAR(glm::distance(turned.eye, turned.target), glm::distance(c.eye, c.target), 1e-6);
+  EXPECT_NEAR(glm::distance(orbit(c, 0, 0).eye, c.eye), 0, 1e-6);
+  EXPECT_NEAR(glm::distance(orbit(turned, -100, 40).eye, c.eye), 0, 1e-6);
+  // Half a turn for the picture's width.
+  const render::Camera half = orbit(c, c.width_px, 0);
+  EXPECT_NEAR(half.eye.x - c.target.x, c.target.x - c.eye.x, 1e-6);
+  EXPECT_LE(orbit(c, 0, 1e6).eye.z, c.target.z + glm::distance(c.eye, c.target));
+  EXPECT_GT(orbit(c, 0, 1e6).axes().up.y, 0);  // Never over the top.
+}
+
+TEST(Navigation, DraggingRightTurnsTheGroundRight) {
+  const render::Camera c = looking({0, -1000, 500}, {0, 0, 0});
+  const render::Camera turned = orbit(c, 50, 0);
+  const glm::dvec3 front(0, -100, 0);  // Between the eye and the target.
+  EXPECT_GT(glm::dot(front - turned.eye, turned.axes().right), 0);
+}
+
+TEST(Navigation, PanCarriesTheTargetWithTheMouse) {
+  const render::Camera c = looking({0, -1000, 500}, {0, 0, 0});
+  const render::Camera moved = pan(c, 100, 0);
+  EXPECT_LT(moved.target.x, 0);
+  EXPECT_EQ(moved.target.z, 0);
+  const glm::dvec3 before = c.target - moved.eye;
+  const double x_px = glm::dot(before, moved.axes().right) / glm::dot(before, moved.axes().forward) * moved.focal_px();
+  EXPECT_NEAR(x_px, 100, 1e-6);
+  EXPECT_GT(pan(c, 0, 50).target.y, 0);
+}
+
+TEST(Navigation, ZoomKeepsThePointUnderTheCursor) {
+  const NavigationLimits limits{1, 1e6};
+  const render::Camera c = looking({0, -1000, 500}, {0, 0, 0});
+  const glm::dvec3 p = c.eye + c.ray(900, 500) * 800.0;
+  const render::Camera nearer = zoom(c, p, 0.5, limits);
+  EXPECT_NEAR(glm::distance(nearer.eye, p), 0.5 * glm::distance(c.eye, p), 1e-9);
+  const glm::dvec3 before = glm::normalize(p - c.eye);
+  EXPECT_NEAR(glm::distance(glm::normalize(p - nearer.eye), before), 0, 1e-12);
+  EXPECT_NEAR(glm::distance(nearer.axes().forward, c.axes().forward), 0, 1e-12);
+  EXPECT_NEAR(glm::distance(zoom(c, p, 1e-9, limits).eye, zoom(c, p, 1e-9, limits).target), 1, 1e-6);
+}
+
+TEST(Navigation, FindsThePointUnderTheCursor) {
+  const render::Camera c = looking({0, -1000, 500}, {0, 0, 0});
+  EXPECT_NEAR(point_under(c, 300, 600, std::nullopt).z, 0, 1e-9);
+  EXPECT_EQ(point_under(c, 300, 600, 10.0), c.eye + c.ray(300, 600) * 10.0);
+  const render::Camera level = looking({0, -1000, 500}, {0, 0, 500});
+  EXPECT_EQ(point_under(level, 640, 100, std::nullopt), level.target);
+}
+
+}  // namespace
+}  // namespace tintree::view

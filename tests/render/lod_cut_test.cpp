@@ -1,0 +1,193 @@
+#include "render/lod_cut.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "render/frustum.h"
+#include "tests/render/analytic_tree.h"
+
+namespace tintree::render {
+namespace {
+
+using codec::TileId;
+
+class LodCutTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    test::AnalyticTree tree;
+    tree.columns = 300;  // Odd sizes: the tiles of the east and south are cut short.
+    tree.rows = 211;
+    tree.tile_cells = 16;
+    bounds_ = tree.bounds();
+  }
+
+  static Camera camera(std::mt19937& random) {
+    std::uniform_real_distribution<double> in(0, 1);
+    Camera c;
+    c.eye = {3000 * in(random), -2100 * in(random), 30 + 40000 * std::pow(in(random), 4)};
+    c.target = {3000 * in(random), -2100 * in(random), 40 * in(random)};
+    return c;
+  }
+
+  static bool covers(const TileId& a, const TileId& b) {
+    return a.level <= b.level && b.x >> (b.level - a.level) == a.x && b.y >> (b.level - a.level) == a.y;
+  }
+
+  const TileId& id(const DrawTile& d) const { return bounds_.nodes()[d.node].id; }
+
+  /// How often each leaf is drawn; checks that it is once where it must be.
+  void expect_covered_once(const LodCut& cut, const Camera& c) const {
+    const Frustum frustum(c);
+    for (const cache::TileNode& node : bounds_.nodes()) {
+      if (node.child_mask != 0) continue;
+      const auto times = std::ranges::count_if(cut.draws, [&](const DrawTile& d) { return covers(id(d), node.id); });
+      EXPECT_LE(times, 1) << node.id.text();
+      EXPECT_TRUE(times == 1 || frustum.outside(bounds_.box(node))) << node.id.text();
+    }
+  }
+
+  inline static cache::TileBounds bounds_;
+};
+
+const IsResident kAll = [](std::uint32_t) { return true; };
+
+TEST_F(LodCutTest, CoversWhatIsVisibleExactlyOnceWithinTheError) {
+  std::mt19937 random(1);
+  std::set<int> levels;
+  for (int i = 0; i < 60; ++i) {
+    const Camera c = camera(random);
+    const LodCut cut = lod_cut(bounds_, c, {1}, kAll);
+    EXPECT_TRUE(cut.complete);
+    EXPECT_TRUE(cut.requests.empty());
+    expect_covered_once(cut, c);
+    for (const DrawTile& d : cut.draws) {
+      const cache::TileNode& node = bounds_.nodes()[d.node];
+      levels.insert(node.id.level);
+      EXPECT_FALSE(d.stands_in);
+      EXPECT_TRUE(d.error_px <= 1 || node.child_mask == 0) << node.id.text();
+      const double nearest = Frustum(c).nearest_depth_m(bounds_.box(node));
+      EXPECT_EQ(d.error_px, projected_error_px(static_cast<double>(node.lod_error_m), nearest, c));
+      EXPECT_LE(d.error_px, cut.max_error_px);
+    }
+  }
+  EXPECT_GE(levels.size(), 3U);  // The test is one of several levels at once.
+}
+
+TEST_F(LodCutTest, IsTheCoarsestSuchCut) {
+  std::mt19937 random(2);
+  for (int i = 0; i < 30; ++i) {
+    const Camera c = camera(random);
+    const Frustum frustum(c);
+    for (const DrawTile& d : lod_cut(bounds_, c, {1}, kAll).draws) {
+      if (id(d).level == 0) continue;
+      const cache::TileNode& parent = bounds_.nodes()[static_cast<std::size_t>(bounds_.find(id(d).parent()))];
+      EXPECT_GT(projected_error_px(static_cast<double>(parent.lod_error_m), frustum.nearest_depth_m(bounds_.box(parent)), c), 1);
+    }
+  }
+}
+
+TEST_F(LodCutTest, AMorePatientEyeNeedsFewerTiles) {
+  std::mt19937 random(3);
+  const Camera c = camera(random);
+  EXPECT_GE(lod_cut(bounds_, c, {0.5}, kAll).draws.size(), lod_cut(bounds_, c, {4}, kAll).draws.size());
+  for (const DrawTile& d : lod_cut(bounds_, c, {0}, kAll).draws) EXPECT_EQ(bounds_.nodes()[d.node].child_mask, 0);
+}
+
+TEST_F(LodCutTest, DrawsFrontToBack) {
+  std::mt19937 random(4);
+  for (int i = 0; i < 30; ++i) {
+    const Camera c = camera(random);
+    const LodCut cut = lod_cut(bounds_, c, {1}, kAll);
+    // A tile is in front of another where a line parallel to an axis or one that both share separates them:
+    // no later tile may lie on the eye's side of such a line while the earlier lies beyond it.
+    for (std::size_t a = 0; a < cut.draws.size(); ++a) {
+      const cache::Box first = bounds_.box(bounds_.nodes()[cut.draws[a].node]);
+      for (std::size_t b = a + 1; b < cut.draws.size(); ++b) {
+        const cache::Box later = bounds_.box(bounds_.nodes()[cut.draws[b].node]);
+        const bool hides = [&] {
+          bool nearer = true;
+          bool apart = false;
+          for (std::size_t axis = 0; axis < 2; ++axis) {
+            const double eye = c.eye[static_cast<int>(axis)];
+            if (later.max[axis] <= first.min[axis]) {
+              apart = true;
+              nearer = nearer && eye <= later.max[axis];
+            } else if (later.min[axis] >= first.max[axis]) {
+              apart = true;
+              nearer = nearer && eye >= later.min[axis];
+            }
+          }
+          return apart && nearer;
+        }();
+        EXPECT_FALSE(hides);
+      }
+    }
+  }
+}
+
+TEST_F(LodCutTest, WithNothingResidentAsksCoarseFirstAndDrawsNothing) {
+  std::mt19937 random(5);
+  const LodCut cut = lod_cut(bounds_, camera(random), {1}, [](std::uint32_t) { return false; });
+  EXPECT_TRUE(cut.draws.empty());
+  EXPECT_FALSE(cut.complete);
+  ASSERT_FALSE(cut.requests.empty());
+  EXPECT_EQ(cut.requests.front(), (TileId{0, 0, 0}));
+  EXPECT_TRUE(std::ranges::is_sorted(cut.requests, {}, &TileId::level));
+}
+
+// Whatever subset is resident: once the root is there, nothing visible is missing, nothing is drawn twice,
+// only resident tiles are drawn, and fetching what is asked for ends in the one complete cut.
+TEST_F(LodCutTest, ParentsStandInUntilTheirChildrenHaveCome) {
+  std::mt19937 random(6);
+  for (int i = 0; i < 40; ++i) {
+    const Camera c = camera(random);
+    std::set<std::uint32_t> here{0};
+    for (std::uint32_t n = 0; n < bounds_.nodes().size(); ++n) {
+      if (random() % 3 == 0) here.insert(n);
+    }
+    const IsResident resident = [&](std::uint32_t n) { return here.contains(n); };
+    for (int round = 0;; ++round) {
+      ASSERT_LT(round, 1000);
+      const LodCut cut = lod_cut(bounds_, c, {1}, resident);
+      expect_covered_once(cut, c);
+      for (const DrawTile& d : cut.draws) EXPECT_TRUE(resident(d.node));
+      if (cut.complete) break;
+      ASSERT_FALSE(cut.requests.empty());
+      for (const TileId& r : cut.requests) EXPECT_FALSE(resident(static_cast<std::uint32_t>(bounds_.find(r))));
+      here.insert(static_cast<std::uint32_t>(bounds_.find(cut.requests.front())));
+    }
+    const LodCut with_some = lod_cut(bounds_, c, {1}, resident);
+    const LodCut with_all = lod_cut(bounds_, c, {1}, kAll);
+    ASSERT_EQ(with_some.draws.size(), with_all.draws.size());
+    for (std::size_t k = 0; k < with_all.draws.size(); ++k) EXPECT_EQ(with_some.draws[k].node, with_all.draws[k].node);
+  }
+}
+
+TEST_F(LodCutTest, FinerTilesStandInForACoarseOneThatIsMissing) {
+  Camera far;
+  far.eye = {1500, -1000, 5e6};
+  far.target = {1500, -1000, 0};
+  ASSERT_EQ(lod_cut(bounds_, far, {1}, kAll).draws.size(), 1U);
+  const LodCut cut = lod_cut(bounds_, far, {1}, [](std::uint32_t n) { return n != 0; });
+  EXPECT_FALSE(cut.complete);
+  EXPECT_EQ(cut.requests, std::vector<TileId>(1, TileId{0, 0, 0}));
+  expect_covered_once(cut, far);
+}
+
+TEST_F(LodCutTest, LooksAwayAndDrawsNothing) {
+  Camera away;
+  away.eye = {1500, 500, 300};
+  away.target = {1500, 5000, 300};
+  const LodCut cut = lod_cut(bounds_, away, {1}, [](std::uint32_t) { return false; });
+  EXPECT_TRUE(cut.draws.empty());
+  EXPECT_TRUE(cut.requests.empty());
+  EXPECT_TRUE(cut.complete);
+}
+
+}  // namespace
+}  // namespace tintree::render

@@ -1,0 +1,268 @@
+#include "render/renderer.h"
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "render/frustum.h"
+#include "render/gl_context.h"
+#include "render/terrain_scene.h"
+#include "tests/render/analytic_tree.h"
+#include "tests/support/temp_dir.h"
+
+namespace tintree::render {
+namespace {
+
+constexpr int kWidth = 320;
+constexpr int kHeight = 240;
+const glm::vec3 kMagenta(1, 0, 1);
+
+bool is_magenta(const std::array<std::uint8_t, 3>& c) { return c[0] == 255 && c[1] == 0 && c[2] == 255; }
+
+/// Pictures of an analytic tree under OSMesa, before magenta.
+class RendererTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    auto context = HeadlessContext::create(Headless::kOsMesa);
+    ASSERT_TRUE(context) << context.error().text();
+    context_ = std::move(*context);
+    auto gl = load_gl(context_->get_function());
+    ASSERT_TRUE(gl) << gl.error().text();
+    gl_ = std::move(*gl);
+  }
+  static void TearDownTestSuite() { context_.reset(); }
+
+  void open(const test::AnalyticTree& tree) {
+    const std::string path = dir_.path() + "/renderer_test.tintree";
+    tree.write(path);
+    store_.emplace(std::move(*cache::TileStore::open(path)));
+  }
+
+  std::unique_ptr<TerrainScene> scene(double pixel_error = 1) {
+    SceneOptions options;
+    options.cut.pixel_error = pixel_error;
+    auto made = TerrainScene::create(gl_, *store_, options);
+    EXPECT_TRUE(made);
+    return std::move(*made);
+  }
+
+  Picture picture(TerrainScene& scene, const Camera& camera, const LodCut& cut, const Style& style, int samples = 1) {
+    const auto target = OffscreenTarget::create(gl_, camera.width_px, camera.height_px, samples);
+    EXPECT_TRUE(target);
+    scene.draw(*target, camera, cut, style);
+    EXPECT_EQ(gl_.GetError(), static_cast<GLenum>(GL_NO_ERROR));
+    return target->read_picture();
+  }
+
+  static Camera camera(const glm::dvec3& eye, const glm::dvec3& target) {
+    Camera c;
+    c.eye = eye;
+    c.target = target;
+    c.width_px = kWidth;
+    c.height_px = kHeight;
+    return c;
+  }
+
+  static Style before_magenta() {
+    Style style;
+    style.background = kMagenta;
+    return style;
+  }
+
+  static int count_magenta(const Picture& p) {
+    int count = 0;
+    for (int y = 0; y < p.height_px; ++y) {
+      for (int x = 0; x < p.width_px; ++x) count += is_magenta(p.at(x, y)) ? 1 : 0;
+    }
+    return count;
+  }
+
+  inline static std::unique_ptr<HeadlessContext> context_;
+  inline static GlFunctions gl_;
+  test::TempDir dir_;
+  std::optional<cache::TileStore> store_;
+};
+
+// Views that lie wholly inside the ground's outline: from straight above, at a slant, and low over it.
+TEST_F(RendererTest, NoBackgroundShowsThroughTheGround) {
+  open({});
+  const auto s = scene();
+  for (const Camera& c : {camera({640, -640, 900}, {640, -640.001, 0}), camera({640, -900, 500}, {640, -700, 0}),
+                          camera({200, -1100, 400}, {420, -850, 0}), camera({640, -640, 3000}, {641, -640, 0})}) {
+    const auto cut = s->settle(c);
+    ASSERT_TRUE(cut) << cut.error().text();
+    const bool inside = c.eye.z < 2000;
+    const Picture p = picture(*s, c, *cut, before_magenta());
+    EXPECT_EQ(count_magenta(p) == 0, inside) << c.eye.z;
+  }
+}
+
+/// A cut in which the leaves of one half stand beside a coarse tile of the other, whatever their errors.
+LodCut split_cut(const cache::TileBounds& bounds, const Camera& camera) {
+  LodCut cut;
+  const Frustum frustum(camera);
+  const auto add = [&](const codec::TileId& id) {
+    const auto node = static_cast<std::uint32_t>(bounds.find(id));
+    const cache::Box box = bounds.box(bounds.nodes()[node]);
+    cut.draws.push_back({node, 0, frustum.nearest_depth_m(box), frustum.farthest_depth_m(box), false});
+    const auto error = static_cast<double>(bounds.nodes()[node].lod_error_m);
+    cut.max_error_px = std::max(cut.max_error_px, projected_error_px(error, cut.draws.back().nearest_m, camera));
+    cut.farthest_m = std::max(cut.farthest_m, cut.draws.back().farthest_m);
+  };
+  for (std::uint32_t y = 0; y < 2; ++y) {
+    for (std::uint32_t x = 0; x < 2; ++x) {
+      if ((x + y) % 2 == 0) {
+        add({1, x, y});
+      } else {
+        for (std::uint32_t i = 0; i < 4; ++i) add({2, 2 * x + (i & 1), 2 * y + (i >> 1)});
+      }
+    }
+  }
+  return cut;
+}
+
+TEST_F(RendererTest, SkirtsFillTheGapsBetweenLevels) {
+  test::AnalyticTree tree;
+  tree.height_m = [](double x, double y) { return 14 * std::sin(x / 13) * std::cos(y / 11) + 30 * std::sin(x / 300); };
+  open(tree);
+  GpuTilePool pool(gl_, std::size_t{1} << 30);
+  for (const codec::TileId& id : tree.tiles()) pool.upload(cache::make_drawable(tree.layout(), id, tree.mesh(id)));
+  const auto renderer = Renderer::create(gl_);
+  const auto target = OffscreenTarget::create(gl_, kWidth, kHeight, 1);
+  ASSERT_TRUE(renderer && target);
+  int gaps_without = 0;
+  for (int view = 0; view < 24; ++view) {
+    const double turn = 0.27 * view;
+    Camera c = camera({640 + 500 * std::sin(turn), -640 + 500 * std::cos(turn), 420.0}, {640, -640, 0});
+    if (view % 3 == 0) c.eye = {640.0 + view, -640.5, 900};
+    c.fov_y_rad = 0.5;
+    const LodCut cut = split_cut(store_->bounds(), c);
+    const auto gaps = [&](bool skirts) {
+      Style style = before_magenta();
+      style.skirts = skirts;
+      renderer->draw(*target, c, store_->bounds(), cut, pool, style);
+      return count_magenta(target->read_picture());
+    };
+    EXPECT_EQ(gaps(true), 0) << view;
+    gaps_without += gaps(false);
+  }
+  EXPECT_GT(gaps_without, 20);
+}
+
+TEST_F(RendererTest, TheGroundIsLitFromTheSun) {
+  test::AnalyticTree tree;
+  tree.height_m = [](double x, double) { return 150 - std::abs(x - 640) * 0.23; };  // A roof along north-south.
+  open(tree);
+  const auto s = scene();
+  const Camera c = camera({640, -640, 1100}, {640, -639.999, 0});
+  const auto cut = s->settle(c);
+  ASSERT_TRUE(cut);
+  Style style = before_magenta();
+  const auto brightness = [&](int x) {
+    const auto p = picture(*s, c, *cut, style).at(x, kHeight / 2);
+    return p[0] + p[1] + p[2];
+  };
+  style.sun_azimuth_rad = 1.5 * 3.14159265;  // In the west.
+  EXPECT_GT(brightness(kWidth / 4), brightness(3 * kWidth / 4) + 60);
+  style.sun_azimuth_rad = 0.5 * 3.14159265;
+  EXPECT_LT(brightness(kWidth / 4) + 60, brightness(3 * kWidth / 4));
+}
+
+TEST_F(RendererTest, DepthTellsTheDistance) {
+  test::AnalyticTree tree;
+  tree.height_m = [](double, double) { return 100; };
+  open(tree);
+  for (const bool clip_control : {true, false}) {
+    GlFunctions gl = gl_;
+    if (!clip_control) {
+      gl.ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+      gl.ClipControl = nullptr;
+    }
+    const auto s = TerrainScene::create(gl, *store_, {});
+    ASSERT_TRUE(s);
+    const Camera c = camera({640, -1200, 700}, {640, -700, 100});
+    const auto cut = (*s)->settle(c);
+    ASSERT_TRUE(cut);
+    const auto target = OffscreenTarget::create(gl, kWidth, kHeight, 1);
+    ASSERT_TRUE(target);
+    (*s)->draw(*target, c, *cut, before_magenta());
+    for (const int y : {40, 120, 200}) {
+      const auto stored = static_cast<double>(target->read_depth(160, y));
+      ASSERT_GT(stored, 0);
+      const glm::dvec3 p = c.eye + (*s)->renderer().near_m(*cut) / stored * c.ray(160.5, y + 0.5);
+      EXPECT_NEAR(p.z, 100, 0.2) << clip_control << " " << y;
+    }
+  }
+}
+
+TEST_F(RendererTest, ASkyStandsBehindTheGround) {
+  open({});
+  const auto s = scene();
+  const Camera c = camera({640, -1250, 120}, {640, -600, 120});
+  const auto cut = s->settle(c);
+  ASSERT_TRUE(cut);
+  const Picture p = picture(*s, c, *cut, {});
+  const auto above = p.at(kWidth / 2, 5);
+  EXPECT_GT(above[2], above[0]);
+  EXPECT_EQ(p.at(3, 5), p.at(3, 5));
+  EXPECT_NE(p.at(kWidth / 2, kHeight - 10), above);
+}
+
+// A world far from its origin, with the eye close to the ground: only differences to the eye reach the card.
+TEST_F(RendererTest, PicturesDoNotChangeWithThePlaceInTheWorld) {
+  const test::AnalyticTree base;
+  test::AnalyticTree far = base;
+  const double lift = 1000;
+  far.height_m = [&](double x, double y) { return base.height_m(x, y) + lift; };
+  const Style style = before_magenta();
+  const Camera near_camera = camera({640, -900, 160}, {640, -700, 0});
+  open(base);
+  const auto a = scene();
+  const auto cut_a = a->settle(near_camera);
+  ASSERT_TRUE(cut_a);
+  const Picture first = picture(*a, near_camera, *cut_a, style);
+  const Camera far_camera = camera(near_camera.eye + glm::dvec3(0, 0, lift), near_camera.target + glm::dvec3(0, 0, lift));
+  auto b = std::unique_ptr<TerrainScene>();
+  std::optional<cache::TileStore> other;
+  const std::string path = dir_.path() + "/lifted.tintree";
+  far.write(path);
+  other.emplace(std::move(*cache::TileStore::open(path)));
+  b = std::move(*TerrainScene::create(gl_, *other, {}));
+  const auto cut_b = b->settle(far_camera);
+  ASSERT_TRUE(cut_b);
+  const Picture second = picture(*b, far_camera, *cut_b, style);
+  int most = 0;
+  for (std::size_t i = 0; i < first.rgb.size(); ++i) most = std::max(most, std::abs(first.rgb[i] - second.rgb[i]));
+  EXPECT_LE(most, 2);  // Rounding, no more.
+}
+
+TEST_F(RendererTest, ASmallPoolStillDrawsAllOfAView) {
+  open({});
+  SceneOptions options;
+  options.cut.pixel_error = 0;
+  options.gpu_bytes = options.cache_bytes = 1;
+  options.upload_bytes = 1;
+  auto s = TerrainScene::create(gl_, *store_, options);
+  ASSERT_TRUE(s);
+  const Camera c = camera({640, -640, 3000}, {641, -640, 0});
+  const auto cut = (*s)->settle(c);
+  ASSERT_TRUE(cut);
+  EXPECT_EQ(cut->draws.size(), 16U);
+  const auto target = OffscreenTarget::create(gl_, kWidth, kHeight, 1);
+  ASSERT_TRUE(target);
+  EXPECT_EQ((*s)->draw(*target, c, *cut, {}).tiles, 16U);
+}
+
+TEST_F(RendererTest, RefusesAFrameLargerThanTheDriverHas) {
+  const auto target = OffscreenTarget::create(gl_, 1 << 20, 10, 1);
+  ASSERT_FALSE(target);
+  EXPECT_EQ(target.error().code, ErrorCode::kIo);
+}
+
+}  // namespace
+}  // namespace tintree::render
