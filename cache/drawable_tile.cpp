@@ -42,7 +42,7 @@ std::int16_t to_snorm(double v) { return static_cast<std::int16_t>(std::lround(v
 DrawVertex draw_vertex(const codec::GridVertex& v, const Vector& normal_sum) {
   const double length = std::sqrt(dot(normal_sum, normal_sum));
   const double scale = length > 0 ? 1 / length : 0;
-  return {static_cast<float>(v.x),      static_cast<float>(v.y),          static_cast<std::uint16_t>(v.z), 0,
+  return {static_cast<float>(v.x),         static_cast<float>(v.y),        static_cast<std::uint16_t>(v.z), 0,
           to_snorm(normal_sum[0] * scale), to_snorm(normal_sum[1] * scale)};
 }
 
@@ -73,9 +73,9 @@ class SkirtMaker {
  private:
   std::uint16_t sides(std::uint32_t i) const {
     const codec::GridVertex& v = mesh_.vertices[i];
-    return static_cast<std::uint16_t>((has_west_ && v.x == 0 ? kSkirtWest : 0) | (has_east_ && v.x == span_ ? kSkirtEast : 0) |
-                                      (has_north_ && v.y == 0 ? kSkirtNorth : 0) |
-                                      (has_south_ && v.y == span_ ? kSkirtSouth : 0));
+    return static_cast<std::uint16_t>(
+        (has_west_ && v.x == 0 ? kSkirtWest : 0) | (has_east_ && v.x == span_ ? kSkirtEast : 0) |
+        (has_north_ && v.y == 0 ? kSkirtNorth : 0) | (has_south_ && v.y == span_ ? kSkirtSouth : 0));
   }
 
   void add_edge(std::uint32_t a, std::uint32_t b) {
@@ -110,7 +110,8 @@ DrawableTile make_drawable(const codec::TreeLayout& layout, const codec::TileId&
   tile.frame = codec::GridFrame(layout, id, mesh);
   const std::vector<Vector> sums = normal_sums(tile.frame, mesh);
   tile.vertices.reserve(mesh.vertices.size() + mesh.vertices.size() / 8);
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) tile.vertices.push_back(draw_vertex(mesh.vertices[i], sums[i]));
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    tile.vertices.push_back(draw_vertex(mesh.vertices[i], sums[i]));
   tile.indices.reserve(3 * mesh.triangles.size() + 3 * mesh.triangles.size() / 8);
   for (const codec::Triangle& t : mesh.triangles) tile.indices.insert(tile.indices.end(), t.begin(), t.end());
   tile.surface_triangles = static_cast<std::uint32_t>(mesh.triangles.size());

@@ -92,7 +92,8 @@ Expected<std::shared_ptr<const HeightBlock>> HeightBlocks::get(std::int64_t bx, 
   const std::int64_t key = by * blocks_x_ + bx;
   if (auto block = cache_->find(key)) return block;
   std::vector<double> window(std::size_t{kBlockSamples} * kBlockSamples);
-  if (auto read = source_->read(bx * kBlockCells, by * kBlockCells, kBlockSamples, kBlockSamples, window.data()); !read) {
+  if (auto read = source_->read(bx * kBlockCells, by * kBlockCells, kBlockSamples, kBlockSamples, window.data());
+      !read) {
     return tl::unexpected(read.error());
   }
   auto block = make_block(bx * kBlockCells, by * kBlockCells, window.data(), kBlockSamples, kBlockSamples);
@@ -114,7 +115,8 @@ Expected<void> HeightBlocks::stream(
         return read;
       }
       for (std::int64_t bx = first; bx < last; ++bx) {
-        auto block = make_block(bx * kBlockCells, by * kBlockCells, band.data() + (bx - first) * kBlockCells, width, kBlockSamples);
+        auto block = make_block(bx * kBlockCells, by * kBlockCells, band.data() + (bx - first) * kBlockCells, width,
+                                kBlockSamples);
         cache_->insert(by * blocks_x_ + bx, block);
         if (!visit(bx, by, block)) return {};
       }

@@ -50,8 +50,8 @@ class HeightBlocks {
 
   /// Reads the whole DEM once, in the order in which the file lies, and hands every block to `visit`,
   /// row of blocks by row of blocks; what fits stays in the cache. `visit` returns false to stop.
-  Expected<void> stream(const std::function<bool(std::int64_t bx, std::int64_t by,
-                                                 const std::shared_ptr<const HeightBlock>&)>& visit);
+  Expected<void> stream(
+      const std::function<bool(std::int64_t bx, std::int64_t by, const std::shared_ptr<const HeightBlock>&)>& visit);
 
  private:
   struct Cache;

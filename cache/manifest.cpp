@@ -11,7 +11,8 @@ namespace {
 using nlohmann::json;
 
 bool layout_is_sane(const codec::TreeLayout& l) {
-  const bool size_ok = l.columns >= 2 && l.rows >= 2 && l.columns <= (std::int64_t{1} << 40) && l.rows <= (std::int64_t{1} << 40);
+  const bool size_ok =
+      l.columns >= 2 && l.rows >= 2 && l.columns <= (std::int64_t{1} << 40) && l.rows <= (std::int64_t{1} << 40);
   const bool tile_ok = l.tile_cells >= 1 && l.tile_cells <= (1 << 16) && (l.tile_cells & (l.tile_cells - 1)) == 0;
   if (!size_ok || !tile_ok) return false;
   if (l.leaf_level < 0 || l.leaf_level > codec::kMaxLevel) return false;
@@ -28,7 +29,8 @@ bool layout_is_sane(const codec::TreeLayout& l) {
 
 std::string Manifest::to_json() const {
   json files = json::array();
-  for (const InputFile& f : inputs) files.push_back({{"path", f.path}, {"bytes", f.bytes}, {"modified_s", f.modified_s}});
+  for (const InputFile& f : inputs)
+    files.push_back({{"path", f.path}, {"bytes", f.bytes}, {"modified_s", f.modified_s}});
   const json j = {
       {"method", method},
       {"columns", layout.columns},
@@ -70,7 +72,8 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
     m.geographic = j.at("geographic").get<bool>();
     m.height_unit_m = j.at("height_unit_m").get<double>();
     for (const json& f : j.at("inputs").get_ref<const json::array_t&>()) {
-      m.inputs.push_back({f.at("path").get<std::string>(), f.at("bytes").get<std::uint64_t>(), f.at("modified_s").get<std::int64_t>()});
+      m.inputs.push_back({f.at("path").get<std::string>(), f.at("bytes").get<std::uint64_t>(),
+                          f.at("modified_s").get<std::int64_t>()});
     }
     m.samples_digest = j.at("samples_digest").get<std::string>();
     m.complete = j.at("complete").get<bool>();

@@ -101,7 +101,8 @@ Expected<void> RasterSource::Impl::describe_grid() {
     info.dy_m = -gt[5] * srs->GetLinearUnits();
   }
   if (!(info.dx_m > 0) || !(info.dy_m > 0) || !std::isfinite(info.dx_m) || !std::isfinite(info.dy_m)) {
-    return fail(ErrorCode::kBadData, "the georeference gives no positive sample spacing; repair it (gdal_edit.py -a_ullr)", info.path);
+    return fail(ErrorCode::kBadData,
+                "the georeference gives no positive sample spacing; repair it (gdal_edit.py -a_ullr)", info.path);
   }
   return {};
 }
@@ -196,14 +197,16 @@ Expected<void> RasterSource::read(std::int64_t column, std::int64_t row, std::in
     const std::scoped_lock lock(impl_->turn);
     CPLErrorReset();
     bool ok = impl_->band->RasterIO(GF_Read, static_cast<int>(c0), static_cast<int>(r0), w, h, first, w, h, GDT_Float64,
-                                    sizeof(double), static_cast<GSpacing>(width) * GSpacing{sizeof(double)}, nullptr) == CE_None;
+                                    sizeof(double), static_cast<GSpacing>(width) * GSpacing{sizeof(double)},
+                                    nullptr) == CE_None;
     if (ok && impl_->has_mask) {
       mask.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
       ok = impl_->band->GetMaskBand()->RasterIO(GF_Read, static_cast<int>(c0), static_cast<int>(r0), w, h, mask.data(),
                                                 w, h, GDT_Byte, 0, 0, nullptr) == CE_None;
     }
     if (!ok) {
-      return fail(ErrorCode::kIo, fmt::format("cannot read rows {} to {} ({})", r0, r1 - 1, last_gdal_message()), info.path);
+      return fail(ErrorCode::kIo, fmt::format("cannot read rows {} to {} ({})", r0, r1 - 1, last_gdal_message()),
+                  info.path);
     }
   }
   const bool plain = impl_->scale == 1 && impl_->offset == 0;

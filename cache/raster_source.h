@@ -17,13 +17,13 @@ struct RasterInfo {
   std::int64_t rows = 0;     ///< Samples southward, 2 or more.
   double dx_m = 1;           ///< Sample spacing in metres (docs/accuracy.md: the local metric frame).
   double dy_m = 1;
-  bool geographic = false;                ///< The CRS counts in degrees.
-  std::string crs_wkt;                    ///< Empty when the raster states none.
-  std::array<double, 6> geotransform{};   ///< GDAL's; pixel corners.
-  double height_unit_m = 1;               ///< Metres per unit of the stored heights.
+  bool geographic = false;               ///< The CRS counts in degrees.
+  std::string crs_wkt;                   ///< Empty when the raster states none.
+  std::array<double, 6> geotransform{};  ///< GDAL's; pixel corners.
+  double height_unit_m = 1;              ///< Metres per unit of the stored heights.
   std::uint64_t file_bytes = 0;
-  std::int64_t modified_s = 0;            ///< Seconds since 1970.
-  std::vector<std::string> warnings;      ///< What had to be assumed.
+  std::int64_t modified_s = 0;        ///< Seconds since 1970.
+  std::vector<std::string> warnings;  ///< What had to be assumed.
 };
 
 /// A DEM behind GDAL, read through windows only. Safe to use from several threads; reads take turns.

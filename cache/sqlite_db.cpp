@@ -38,7 +38,8 @@ Error SqliteDb::last_error() const {
     case SQLITE_BUSY:
       return {ErrorCode::kIo, "is in use by another program; wait for it or stop it", path_};
     case SQLITE_IOERR:
-      return {ErrorCode::kIo, "cannot be read or written (" + (system != 0 ? std::strerror(system) : reason) + ")", path_};
+      return {ErrorCode::kIo, "cannot be read or written (" + (system != 0 ? std::strerror(system) : reason) + ")",
+              path_};
     default:
       return {ErrorCode::kIo, reason, path_};
   }

@@ -36,9 +36,9 @@ struct Box {
 /// One tile of the hierarchy. Children lie at first_child, in Z-order, those missing left out.
 struct TileNode {
   codec::TileId id;
-  float z_min_m = 0;      ///< Rounded down.
-  float z_max_m = 0;      ///< Rounded up.
-  float lod_error_m = 0;  ///< Rounded up.
+  float z_min_m = 0;              ///< Rounded down.
+  float z_max_m = 0;              ///< Rounded up.
+  float lod_error_m = 0;          ///< Rounded up.
   std::uint8_t child_mask = 0;    ///< Bit q: child quadrant q exists.
   std::uint32_t first_child = 0;  ///< Index into nodes(); meaningless when child_mask is 0.
 };

@@ -36,10 +36,10 @@ class TileCache {
   };
 
   struct Stats {
-    std::size_t bytes = 0;        ///< Held now.
-    std::size_t tiles = 0;        ///< Held now.
-    std::uint64_t loaded = 0;     ///< Tiles prepared so far.
-    std::uint64_t evicted = 0;    ///< Tiles dropped so far.
+    std::size_t bytes = 0;         ///< Held now.
+    std::size_t tiles = 0;         ///< Held now.
+    std::uint64_t loaded = 0;      ///< Tiles prepared so far.
+    std::uint64_t evicted = 0;     ///< Tiles dropped so far.
     std::uint64_t bytes_read = 0;  ///< Payload bytes read so far.
   };
 

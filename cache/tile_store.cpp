@@ -54,7 +54,9 @@ struct TileHead {
 static_assert(sizeof(TileHead) == 56);
 
 TileHead head_of(const TileInfo& info) {
-  return {info.id.key(), info.vertices, info.triangles,
+  return {info.id.key(),
+          info.vertices,
+          info.triangles,
           {info.z_min_m, info.z_max_m, info.error_m, info.rms_m, info.border_error_m}};
 }
 
@@ -151,7 +153,8 @@ Expected<SqliteDb> open_existing(const std::string& path, int flags) {
   if (!version) return tl::unexpected(version.error());
   if (*version > kFormatVersion) {
     return fail(ErrorCode::kBadData,
-                fmt::format("has format version {}, newer than the {} this program reads; update tintree", *version, kFormatVersion),
+                fmt::format("has format version {}, newer than the {} this program reads; update tintree", *version,
+                            kFormatVersion),
                 path);
   }
   if (*version < 1) return fail(ErrorCode::kBadData, "is damaged (no format version)", path);
@@ -285,13 +288,16 @@ Expected<TileWriter> TileWriter::create(const std::string& path, const Manifest&
 Expected<TileWriter> TileWriter::resume(const std::string& path, const Manifest& manifest) {
   const std::string building = building_path(path);
   std::error_code ec;
-  if (!fs::exists(building, ec)) return fail(ErrorCode::kUsage, "there is no unfinished build to resume; leave out --resume", path);
+  if (!fs::exists(building, ec))
+    return fail(ErrorCode::kUsage, "there is no unfinished build to resume; leave out --resume", path);
   auto db = open_existing(building, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX);
   if (!db) return tl::unexpected(db.error());
   auto before = read_manifest(*db);
   if (!before) return tl::unexpected(before.error());
   if (const std::string difference = before->difference(manifest); !difference.empty()) {
-    return fail(ErrorCode::kUsage, "the unfinished build differs in " + difference + "; use the same input and options, or --overwrite", building);
+    return fail(ErrorCode::kUsage,
+                "the unfinished build differs in " + difference + "; use the same input and options, or --overwrite",
+                building);
   }
   auto impl = std::make_unique<Impl>(Impl{path, std::move(*db), manifest, {}, 0});
   if (auto done = impl->prepare(); !done) return tl::unexpected(done.error());
@@ -372,7 +378,8 @@ Expected<std::string> TileWriter::finish() {
   if (done) done = write_manifest(impl_->db, impl_->manifest);
   if (done) done = impl_->db.exec("COMMIT");
   impl_->insert.reset();
-  // One plain file from here on: no write-ahead log beside it.
+  // One plain, packed file from here on: rows in key order, no free pages, no write-ahead log beside it.
+  if (done) done = impl_->db.exec("VACUUM");
   if (done) done = impl_->db.exec("PRAGMA wal_checkpoint(TRUNCATE)");
   if (done) done = impl_->db.exec("PRAGMA journal_mode = DELETE");
   if (!done) return tl::unexpected(done.error());

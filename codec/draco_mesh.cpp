@@ -47,8 +47,7 @@ void fill(draco::Mesh& out, const TileMesh& mesh) {
   const auto count = static_cast<std::uint32_t>(mesh.vertices.size());
   out.set_num_points(count);
   draco::GeometryAttribute format;
-  format.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_INT32, false,
-              sizeof(GridVertex), 0);
+  format.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_INT32, false, sizeof(GridVertex), 0);
   const int id = out.AddAttribute(format, true, count);
   draco::PointAttribute* positions = out.attribute(id);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -72,7 +71,8 @@ bool encode_at(const draco::Mesh& mesh, int speed, draco::EncoderBuffer& buffer)
 
 Expected<std::vector<std::byte>> DracoMesh::encode(const TileMesh& mesh) const {
   if (mesh.vertices.size() > kMaxTileVertices || mesh.triangles.size() > kMaxTileTriangles) {
-    return fail(ErrorCode::kBadData, "the tile has more vertices than the format allows; choose a larger --error or a smaller --tile");
+    return fail(ErrorCode::kBadData,
+                "the tile has more vertices than the format allows; choose a larger --error or a smaller --tile");
   }
   draco::Mesh source;
   fill(source, mesh);
@@ -93,7 +93,8 @@ Expected<std::vector<std::byte>> DracoMesh::encode(const TileMesh& mesh) const {
 Expected<TileMesh> DracoMesh::decode(std::span<const std::byte> bytes) const {
   TileMesh mesh;
   if (bytes.size() < 3) return fail(ErrorCode::kBadData, "the payload is cut short");
-  if (bytes[0] != kPayloadVersion) return fail(ErrorCode::kBadData, "the payload has a version this program does not know");
+  if (bytes[0] != kPayloadVersion)
+    return fail(ErrorCode::kBadData, "the payload has a version this program does not know");
   mesh.xy_shift = static_cast<std::int8_t>(bytes[1]);
   bytes = bytes.subspan(2);
   if (!take_varint(bytes, mesh.z_offset)) return fail(ErrorCode::kBadData, "the payload is cut short");

@@ -37,8 +37,6 @@ TileId TileId::from_key(std::int64_t key) {
   return {static_cast<int>(bits >> kLevelShift), gather_bits(position), gather_bits(position >> 1)};
 }
 
-std::string TileId::text() const {
-  return std::to_string(level) + "/" + std::to_string(x) + "/" + std::to_string(y);
-}
+std::string TileId::text() const { return std::to_string(level) + "/" + std::to_string(x) + "/" + std::to_string(y); }
 
 }  // namespace tintree::codec

@@ -93,16 +93,16 @@ glm::dvec3 Camera::ray(double x_px, double y_px) const {
   return a.forward + a.right * u + a.up * v;
 }
 
-Camera overview(std::span<const glm::dvec3> points, double azimuth_rad, double elevation_rad, int width_px, int height_px,
-                double margin) {
+Camera overview(std::span<const glm::dvec3> points, double azimuth_rad, double elevation_rad, int width_px,
+                int height_px, double margin) {
   Camera camera;
   camera.width_px = width_px;
   camera.height_px = height_px;
   glm::dvec3 low(kInfinity), high(-kInfinity);
   for (const glm::dvec3& p : points) low = glm::min(low, p), high = glm::max(high, p);
   camera.target = points.empty() ? glm::dvec3(0) : 0.5 * (low + high);
-  const glm::dvec3 towards(std::sin(azimuth_rad) * std::cos(elevation_rad), std::cos(azimuth_rad) * std::cos(elevation_rad),
-                           std::sin(elevation_rad));
+  const glm::dvec3 towards(std::sin(azimuth_rad) * std::cos(elevation_rad),
+                           std::cos(azimuth_rad) * std::cos(elevation_rad), std::sin(elevation_rad));
   camera.eye = camera.target + towards;
   constexpr int kRounds = 12;  // Each round leaves less than half of what is off.
   for (int i = 0; i < kRounds; ++i) {

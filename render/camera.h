@@ -19,7 +19,7 @@ struct CameraAxes {
 /// keeps its millimetres. A plain value.
 struct Camera {
   glm::dvec3 eye{0, 0, 0};
-  glm::dvec3 target{0, 1, 0};        ///< What the middle of the picture shows; apart from the eye.
+  glm::dvec3 target{0, 1, 0};             ///< What the middle of the picture shows; apart from the eye.
   double fov_y_rad = 0.7853981633974483;  ///< Field of view from the lower to the upper edge, under pi.
   int width_px = 1280;
   int height_px = 720;
@@ -56,7 +56,7 @@ struct Camera {
 /// A view from `azimuth_rad` (where the eye stands, clockwise from north; pi is south) and
 /// `elevation_rad` above the horizon, as near as it can be with all `points` inside the picture less
 /// `margin` (a share of its size).
-Camera overview(std::span<const glm::dvec3> points, double azimuth_rad, double elevation_rad, int width_px, int height_px,
-                double margin = 0.03);
+Camera overview(std::span<const glm::dvec3> points, double azimuth_rad, double elevation_rad, int width_px,
+                int height_px, double margin = 0.03);
 
 }  // namespace tintree::render

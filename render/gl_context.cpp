@@ -34,17 +34,26 @@ class OsMesaContext final : public HeadlessContext {
     void* library = open_library("libOSMesa.so.8");
     if (library == nullptr) library = open_library("libOSMesa.so");
     if (library == nullptr || !find(library, "OSMesaCreateContextAttribs", out->create_) ||
-        !find(library, "OSMesaMakeCurrent", out->make_current_) || !find(library, "OSMesaDestroyContext", out->destroy_) ||
-        !find(library, "OSMesaGetProcAddress", out->get_)) {
-      return fail(ErrorCode::kIo, "the library OSMesa is not there; install the package libosmesa6, or use --headless egl");
+        !find(library, "OSMesaMakeCurrent", out->make_current_) ||
+        !find(library, "OSMesaDestroyContext", out->destroy_) || !find(library, "OSMesaGetProcAddress", out->get_)) {
+      return fail(ErrorCode::kIo,
+                  "the library OSMesa is not there; install the package libosmesa6, or use --headless egl");
     }
     for (const auto& [major, minor] : kVersions) {
-      const std::array<int, 9> attributes{OSMESA_FORMAT, OSMESA_RGBA, OSMESA_PROFILE, OSMESA_CORE_PROFILE,
-                                          OSMESA_CONTEXT_MAJOR_VERSION, major, OSMESA_CONTEXT_MINOR_VERSION, minor, 0};
+      const std::array<int, 9> attributes{OSMESA_FORMAT,
+                                          OSMESA_RGBA,
+                                          OSMESA_PROFILE,
+                                          OSMESA_CORE_PROFILE,
+                                          OSMESA_CONTEXT_MAJOR_VERSION,
+                                          major,
+                                          OSMESA_CONTEXT_MINOR_VERSION,
+                                          minor,
+                                          0};
       out->context_ = out->create_(attributes.data(), nullptr);
       if (out->context_ != nullptr) break;
     }
-    if (out->context_ == nullptr || out->make_current_(out->context_, out->pixels_.data(), GL_UNSIGNED_BYTE, kSide, kSide) == 0) {
+    if (out->context_ == nullptr ||
+        out->make_current_(out->context_, out->pixels_.data(), GL_UNSIGNED_BYTE, kSide, kSide) == 0) {
       return fail(ErrorCode::kIo, "OSMesa offers no OpenGL 3.3; install a newer Mesa");
     }
     return out;
@@ -75,7 +84,8 @@ class EglContext final : public HeadlessContext {
     std::unique_ptr<EglContext> out(new EglContext);
     void* library = open_library("libEGL.so.1");
     if (library == nullptr || !find(library, "eglGetProcAddress", out->get_)) {
-      return fail(ErrorCode::kIo, "the library EGL is not there; install the package libegl1, or use --headless osmesa");
+      return fail(ErrorCode::kIo,
+                  "the library EGL is not there; install the package libegl1, or use --headless osmesa");
     }
     for (const EGLDisplay display : out->displays()) {
       if (out->open(display)) return out;
@@ -144,8 +154,13 @@ class EglContext final : public HeadlessContext {
     EGLint count = 0;
     choose(display, wanted.data(), &config, 1, &count);
     for (const auto& [major, minor] : kVersions) {
-      const std::array<EGLint, 7> attributes{EGL_CONTEXT_MAJOR_VERSION, major, EGL_CONTEXT_MINOR_VERSION, minor,
-                                             EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+      const std::array<EGLint, 7> attributes{EGL_CONTEXT_MAJOR_VERSION,
+                                             major,
+                                             EGL_CONTEXT_MINOR_VERSION,
+                                             minor,
+                                             EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                             EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                             EGL_NONE};
       EGLContext context = create(display, count > 0 ? config : nullptr, EGL_NO_CONTEXT, attributes.data());
       if (context != EGL_NO_CONTEXT) return context;
     }

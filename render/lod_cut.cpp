@@ -136,7 +136,8 @@ double projected_error_px(double lod_error_m, double nearest_depth_m, const Came
   return lod_error_m * camera.focal_px() * camera.vertical_gain() / nearest_depth_m;
 }
 
-LodCut lod_cut(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options, const IsResident& resident) {
+LodCut lod_cut(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options,
+               const IsResident& resident) {
   return Walk(bounds, camera, options, resident).run();
 }
 

@@ -26,12 +26,12 @@ struct DrawTile {
 
 /// Which tiles to draw for a view, and which to fetch.
 struct LodCut {
-  std::vector<DrawTile> draws;            ///< Front to back; no two overlap.
-  std::vector<codec::TileId> requests;    ///< Missing tiles: the coarsest first, then the nearest.
-  double max_error_px = 0;      ///< The largest error_px drawn.
-  bool complete = true;         ///< Every tile that the view wants is resident and drawn.
-  std::uint32_t leaf_limited = 0;  ///< Leaves drawn above pixel_error: the data end there.
-  double nearest_m = 0;  ///< Bounds of the depth of what is drawn; both 0 when nothing is.
+  std::vector<DrawTile> draws;          ///< Front to back; no two overlap.
+  std::vector<codec::TileId> requests;  ///< Missing tiles: the coarsest first, then the nearest.
+  double max_error_px = 0;              ///< The largest error_px drawn.
+  bool complete = true;                 ///< Every tile that the view wants is resident and drawn.
+  std::uint32_t leaf_limited = 0;       ///< Leaves drawn above pixel_error: the data end there.
+  double nearest_m = 0;                 ///< Bounds of the depth of what is drawn; both 0 when nothing is.
   double farthest_m = 0;
 };
 
@@ -50,6 +50,7 @@ double projected_error_px(double lod_error_m, double nearest_depth_m, const Came
 /// stands in for all that it covers, or finer resident tiles that cover it do, so that the ground never has
 /// a hole once the root is resident. With everything resident the cut depends on the camera alone.
 /// Pure: keeps nothing, changes nothing. Cost: about 0.1 us a node visited.
-LodCut lod_cut(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options, const IsResident& resident);
+LodCut lod_cut(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options,
+               const IsResident& resident);
 
 }  // namespace tintree::render

@@ -13,7 +13,8 @@ Expected<OffscreenTarget> OffscreenTarget::create(const GlFunctions& gl, int wid
   gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most_px);
   const std::string size = std::to_string(width_px) + "x" + std::to_string(height_px);
   if (width_px > most_px || height_px > most_px) {
-    return fail(ErrorCode::kIo, "a picture of " + size + " pixels is more than the driver's " + std::to_string(most_px) + " a side");
+    return fail(ErrorCode::kIo,
+                "a picture of " + size + " pixels is more than the driver's " + std::to_string(most_px) + " a side");
   }
   OffscreenTarget out(gl);
   out.width_px_ = width_px;

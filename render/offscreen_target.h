@@ -17,7 +17,8 @@ struct Picture {
   std::vector<std::uint8_t> rgb;
 
   std::array<std::uint8_t, 3> at(int x_px, int y_px) const {
-    const std::size_t i = 3 * (static_cast<std::size_t>(y_px) * static_cast<std::size_t>(width_px) + static_cast<std::size_t>(x_px));
+    const std::size_t i =
+        3 * (static_cast<std::size_t>(y_px) * static_cast<std::size_t>(width_px) + static_cast<std::size_t>(x_px));
     return {rgb[i], rgb[i + 1], rgb[i + 2]};
   }
 };

@@ -19,7 +19,7 @@ namespace tintree::render {
 /// How the ground looks.
 struct Style {
   double sun_azimuth_rad = 5.4977871437821382;    ///< Where the sun stands, clockwise from north: north-west.
-  double sun_elevation_rad = 0.7330382858376184;  ///< Above the horizon: 42 degrees.
+  double sun_elevation_rad = 0.5934119456780721;  ///< Above the horizon: 34 degrees.
   /// One sRGB colour (0 to 1) behind the ground, without haze before it; without it, a sky.
   std::optional<glm::vec3> background;
   bool wireframe = false;
@@ -45,8 +45,8 @@ class Renderer {
   ~Renderer();
 
   /// Fills `target`, whose size is the camera's. Tiles of the cut that the pool lacks are left out.
-  DrawStats draw(const OffscreenTarget& target, const Camera& camera, const cache::TileBounds& bounds, const LodCut& cut,
-                 GpuTilePool& pool, const Style& style) const;
+  DrawStats draw(const OffscreenTarget& target, const Camera& camera, const cache::TileBounds& bounds,
+                 const LodCut& cut, GpuTilePool& pool, const Style& style) const;
 
   /// The depth that draw() gives the nearest plane, metres: depth = near_m / OffscreenTarget::read_depth().
   double near_m(const LodCut& cut) const;
@@ -58,7 +58,8 @@ class Renderer {
  private:
   Renderer(const GlFunctions& gl, ShaderProgram terrain, ShaderProgram sky);
   void draw_background(const Camera& camera, const Style& style) const;
-  void set_terrain_uniforms(const Camera& camera, const cache::TileBounds& bounds, const LodCut& cut, const Style& style) const;
+  void set_terrain_uniforms(const Camera& camera, const cache::TileBounds& bounds, const LodCut& cut,
+                            const Style& style) const;
 
   const GlFunctions* gl_;
   ShaderProgram terrain_;

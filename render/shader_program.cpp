@@ -29,7 +29,8 @@ Expected<GLuint> compile(const GlFunctions& gl, GLenum kind, std::string_view na
 
 }  // namespace
 
-Expected<ShaderProgram> ShaderProgram::create(const GlFunctions& gl, std::string_view vertex_name, std::string_view fragment_name) {
+Expected<ShaderProgram> ShaderProgram::create(const GlFunctions& gl, std::string_view vertex_name,
+                                              std::string_view fragment_name) {
   const auto vertex = compile(gl, GL_VERTEX_SHADER, vertex_name);
   if (!vertex) return tl::unexpected(vertex.error());
   const auto fragment = compile(gl, GL_FRAGMENT_SHADER, fragment_name);
@@ -48,7 +49,8 @@ Expected<ShaderProgram> ShaderProgram::create(const GlFunctions& gl, std::string
   if (done == GL_TRUE) return program;
   Log log{};
   gl.GetProgramInfoLog(program.id_, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  return fail(ErrorCode::kIo, std::string("the driver cannot link the shader: ") + log.data(), std::string(vertex_name));
+  return fail(ErrorCode::kIo, std::string("the driver cannot link the shader: ") + log.data(),
+              std::string(vertex_name));
 }
 
 ShaderProgram::ShaderProgram(ShaderProgram&& other) noexcept : gl_(other.gl_), id_(std::exchange(other.id_, 0)) {}

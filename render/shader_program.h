@@ -11,7 +11,8 @@ namespace tintree::render {
 class ShaderProgram {
  public:
   /// `gl` must outlive it. Fails with kIo and the driver's words when it refuses a shader.
-  static Expected<ShaderProgram> create(const GlFunctions& gl, std::string_view vertex_name, std::string_view fragment_name);
+  static Expected<ShaderProgram> create(const GlFunctions& gl, std::string_view vertex_name,
+                                        std::string_view fragment_name);
 
   ShaderProgram(ShaderProgram&& other) noexcept;
   ShaderProgram& operator=(ShaderProgram&&) = delete;

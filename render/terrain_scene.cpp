@@ -13,7 +13,8 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
   return std::unique_ptr<TerrainScene>(new TerrainScene(gl, store, options, std::move(*renderer)));
 }
 
-TerrainScene::TerrainScene(const GlFunctions& gl, const cache::TileStore& store, const SceneOptions& options, Renderer renderer)
+TerrainScene::TerrainScene(const GlFunctions& gl, const cache::TileStore& store, const SceneOptions& options,
+                           Renderer renderer)
     : store_(&store),
       options_(options),
       cache_(store, {options.cache_bytes}),
@@ -65,7 +66,8 @@ Expected<LodCut> TerrainScene::settle(const Camera& camera) {
   }
 }
 
-DrawStats TerrainScene::draw(const OffscreenTarget& target, const Camera& camera, const LodCut& cut, const Style& style) {
+DrawStats TerrainScene::draw(const OffscreenTarget& target, const Camera& camera, const LodCut& cut,
+                             const Style& style) {
   return renderer_.draw(target, camera, bounds(), cut, pool_, style);
 }
 

@@ -97,15 +97,19 @@ void BorderRibbon::build(SurfaceView& view, const Side& side, double bound_m, co
       // Cut towards the corner: of this cell the ribbon has the half at the line.
       const bool own_diagonal = first == (v == 0);
       if (own_diagonal) {
-        if (v == 0) band.add(p00, p10, p11);
-        else band.add(p00, p01, p11);
+        if (v == 0)
+          band.add(p00, p10, p11);
+        else
+          band.add(p00, p01, p11);
         continue;
       }
       const std::int64_t column = side.column + (side.southward ? v : u);
       const std::int64_t row = side.row + (side.southward ? u : v);
       if (may_flip(view, column, row, bound_m, heights)) {
-        if (v == 0) band.add(p00, p10, p01);
-        else band.add(p01, p11, p10);
+        if (v == 0)
+          band.add(p00, p10, p01);
+        else
+          band.add(p01, p11, p10);
       } else if (holds_surface(view, column, row)) {
         held_[static_cast<std::size_t>(first ? 1 : n - 1)] = 1;
       }
@@ -148,7 +152,8 @@ void BorderRibbon::classify(const Side& side) {
   }
 }
 
-std::vector<RibbonStep> BorderRibbon::settle(SurfaceView& view, const Side& side, double bound_m, const HeightLattice& heights) {
+std::vector<RibbonStep> BorderRibbon::settle(SurfaceView& view, const Side& side, double bound_m,
+                                             const HeightLattice& heights) {
   build(view, side, bound_m, heights);
   CollapseSpec spec;
   spec.bound_m = bound_m;
@@ -166,7 +171,8 @@ std::vector<RibbonStep> BorderRibbon::settle(SurfaceView& view, const Side& side
   collapse_.run(mesh_, distance, spec, &log);
   std::vector<RibbonStep> steps;
   steps.reserve(log.size());
-  for (const CollapseStep& s : log) steps.push_back({along(s.gone), along(s.kept) > along(s.gone) ? 1 : -1, s.position.z});
+  for (const CollapseStep& s : log)
+    steps.push_back({along(s.gone), along(s.kept) > along(s.gone) ? 1 : -1, s.position.z});
   return steps;
 }
 

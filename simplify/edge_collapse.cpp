@@ -28,9 +28,12 @@ std::int64_t cross(const LatticeVertex& a, const LatticeVertex& b, const Lattice
 
 }  // namespace
 
-Point EdgeCollapse::point(const LatticeVertex& v) const { return {v.x * lattice_, v.y * lattice_, v.z * spec_.z_step_m}; }
+Point EdgeCollapse::point(const LatticeVertex& v) const {
+  return {v.x * lattice_, v.y * lattice_, v.z * spec_.z_step_m};
+}
 
-void EdgeCollapse::run(HalfEdgeMesh& mesh, SurfaceDistance& distance, const CollapseSpec& spec, std::vector<CollapseStep>* log) {
+void EdgeCollapse::run(HalfEdgeMesh& mesh, SurfaceDistance& distance, const CollapseSpec& spec,
+                       std::vector<CollapseStep>* log) {
   mesh_ = &mesh;
   distance_ = &distance;
   spec_ = spec;
@@ -92,7 +95,9 @@ void EdgeCollapse::collect_candidates(std::int32_t vertex, double threshold) {
     Candidate candidate{half_edge, vertex, other, 0, {}};
     if (!propose(candidate) || candidate.cost > threshold || candidate.cost <= failed_cost_[at(vertex)]) return;
     // Two free ends propose the same collapse: what failed from the other end fails from here.
-    if (kind(other) == VertexKind::kFree && kind(vertex) == VertexKind::kFree && candidate.cost <= failed_cost_[at(other)]) return;
+    if (kind(other) == VertexKind::kFree && kind(vertex) == VertexKind::kFree &&
+        candidate.cost <= failed_cost_[at(other)])
+      return;
     candidates_.push_back(candidate);
   };
   const std::int32_t start = mesh_->outgoing(vertex);
@@ -170,12 +175,14 @@ void EdgeCollapse::gather_star(const Candidate& candidate) {
   append_star(candidate.gone, candidate.kept);
   const bool hub_stays = kind(candidate.kept) == VertexKind::kLocked;
   if (!hub_stays) append_star(candidate.kept, candidate.gone);
-  for (const OuterEdge& e : outer_) spokes_.push_back(e.from);
-  if (mesh_->on_outline(candidate.gone) || mesh_->on_outline(candidate.kept) || hub_stays) {
-    // An open fan: its last corner starts no outer edge.
-    for (const OuterEdge& e : outer_) {
-      if (std::ranges::none_of(outer_, [&](const OuterEdge& o) { return o.from == e.to; })) spokes_.push_back(e.to);
-    }
+  // Each corner of the ring starts one outer edge, except the last of an open fan.
+  ++mark_value_;
+  for (const OuterEdge& e : outer_) {
+    spokes_.push_back(e.from);
+    mark_[at(e.from)] = mark_value_;
+  }
+  for (const OuterEdge& e : outer_) {
+    if (mark_[at(e.to)] != mark_value_) spokes_.push_back(e.to);
   }
   if (hub_stays) {
     // The apexes are joined to the hub already.
@@ -230,7 +237,10 @@ bool EdgeCollapse::fit_height(const Candidate& candidate, LatticeVertex& positio
     const double reach = line ? spec_.line_bound_m : spec_.bound_m;
     interval = {-reach, reach};
   }
+  // A ribbon is one cell wide on either side of its line: its triangles hold no samples but on their edges.
+  const bool ribbon = spec_.line != CollapseSpec::Line::kAbsent;
   for (const OuterEdge& e : outer_) {
+    if (ribbon) break;
     distance_->clip_triangle(hub, point(e.from), point(e.to), spec_.bound_m, interval);
     if (interval.empty()) return false;
   }

@@ -11,7 +11,8 @@ namespace tintree::simplify {
 
 /// The lattice that vertices lie on and the bound that the mesh has to keep.
 struct CollapseSpec {
-  /// A line of the mesh that has a bound of its own: none, x = 0 or y = 0.
+  /// The line of a border ribbon, the middle of a mesh that is one cell wide on either side of it: x = 0 or
+  /// y = 0; absent in a tile. It has a bound of its own.
   enum class Line { kAbsent, kX, kY };
 
   double bound_m = 0;  ///< Largest vertical distance to the surface, guard already taken off.
@@ -41,7 +42,8 @@ struct CollapseStep {
 class EdgeCollapse {
  public:
   /// Appends every collapse to `log` when given.
-  void run(HalfEdgeMesh& mesh, SurfaceDistance& distance, const CollapseSpec& spec, std::vector<CollapseStep>* log = nullptr);
+  void run(HalfEdgeMesh& mesh, SurfaceDistance& distance, const CollapseSpec& spec,
+           std::vector<CollapseStep>* log = nullptr);
 
  private:
   struct Candidate {

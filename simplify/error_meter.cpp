@@ -32,7 +32,9 @@ MeasuredError& MeasuredError::operator+=(const MeasuredError& other) {
   return *this;
 }
 
-double MeasuredError::rms_m() const { return samples == 0 ? 0 : std::sqrt(sum_of_squares / static_cast<double>(samples)); }
+double MeasuredError::rms_m() const {
+  return samples == 0 ? 0 : std::sqrt(sum_of_squares / static_cast<double>(samples));
+}
 
 MeasuredMesh::MeasuredMesh(const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh)
     : cells(layout.cells(id)), triangles(mesh.triangles) {
@@ -88,7 +90,8 @@ void ErrorMeter::paint(const MeasuredMesh& mesh, const codec::Triangle& t) {
   const auto row0 = static_cast<double>(window_.row0);
   const double det = (q.column - p.column) * (r.row - p.row) - (r.column - p.column) * (q.row - p.row);
   const double a = ((q.height_m - p.height_m) * (r.row - p.row) - (r.height_m - p.height_m) * (q.row - p.row)) / det;
-  const double b = ((q.column - p.column) * (r.height_m - p.height_m) - (r.column - p.column) * (q.height_m - p.height_m)) / det;
+  const double b =
+      ((q.column - p.column) * (r.height_m - p.height_m) - (r.column - p.column) * (q.height_m - p.height_m)) / det;
   const double top = std::min({p.row, q.row, r.row});
   const double bottom = std::max({p.row, q.row, r.row});
   const auto j0 = static_cast<std::int64_t>(std::ceil(std::max(top - row0, 0.0)));
@@ -102,13 +105,16 @@ void ErrorMeter::paint(const MeasuredMesh& mesh, const codec::Triangle& t) {
       const MeasuredMesh::Vertex& from = *corners[e];
       const MeasuredMesh::Vertex& to = *corners[e + 1];
       if ((from.row < y && to.row < y) || (from.row > y && to.row > y)) continue;
-      const double x0 = from.row == to.row ? from.column : from.column + (y - from.row) * (to.column - from.column) / (to.row - from.row);
+      const double x0 = from.row == to.row
+                            ? from.column
+                            : from.column + (y - from.row) * (to.column - from.column) / (to.row - from.row);
       const double x1 = from.row == to.row ? to.column : x0;
       left = std::min({left, x0, x1});
       right = std::max({right, x0, x1});
     }
     const auto i0 = static_cast<std::int64_t>(std::ceil(std::max(left - column0 - kSnap, 0.0)));
-    const auto i1 = static_cast<std::int64_t>(std::floor(std::min(right - column0 + kSnap, static_cast<double>(width_ - 1))));
+    const auto i1 =
+        static_cast<std::int64_t>(std::floor(std::min(right - column0 + kSnap, static_cast<double>(width_ - 1))));
     double* line = painted_.data() + j * width_;
     const double start = p.height_m + a * (column0 - p.column) + b * (y - p.row);
     for (std::int64_t i = i0; i <= i1; ++i) line[i] = start + a * static_cast<double>(i);
@@ -156,7 +162,8 @@ double ErrorMeter::between(std::int64_t i, std::int64_t j, std::int64_t di, std:
   return near + f * (sample(i + di, j + dj) - near);
 }
 
-void ErrorMeter::cross_edge(const MeasuredMesh::Vertex& a, const MeasuredMesh::Vertex& b, bool border, MeasuredError& out) const {
+void ErrorMeter::cross_edge(const MeasuredMesh::Vertex& a, const MeasuredMesh::Vertex& b, bool border,
+                            MeasuredError& out) const {
   const double ax = a.column - static_cast<double>(window_.column0);
   const double ay = a.row - static_cast<double>(window_.row0);
   const double dx = b.column - a.column;

@@ -35,8 +35,9 @@ Layer narrowed(const Layer& layer, const codec::CellRect& cells) {
     const auto& a = layer.mesh->vertices[t[0]];
     const auto& b = layer.mesh->vertices[t[1]];
     const auto& c = layer.mesh->vertices[t[2]];
-    const bool apart = std::max({a.column, b.column, c.column}) < west || std::min({a.column, b.column, c.column}) > east ||
-                       std::max({a.row, b.row, c.row}) < north || std::min({a.row, b.row, c.row}) > south;
+    const bool apart = std::max({a.column, b.column, c.column}) < west ||
+                       std::min({a.column, b.column, c.column}) > east || std::max({a.row, b.row, c.row}) < north ||
+                       std::min({a.row, b.row, c.row}) > south;
     if (!apart) out.which.push_back(k);
   }
   return out;
@@ -52,7 +53,8 @@ Layer whole(const MeasuredMesh& mesh, MeasuredError& error) {
 /// one task. Sums are added up in a fixed order, so the result does not depend on the threads.
 class Pass {
  public:
-  Pass(const ReferenceSurface& surface, const cache::Manifest& manifest, cache::TileWriter& writer, const ProgressFn& progress)
+  Pass(const ReferenceSurface& surface, const cache::Manifest& manifest, cache::TileWriter& writer,
+       const ProgressFn& progress)
       : surface_(&surface), manifest_(&manifest), writer_(&writer), progress_(&progress) {}
 
   Expected<void> run();
@@ -174,8 +176,8 @@ Expected<void> Pass::run() {
 
 }  // namespace
 
-Expected<void> measure_tiles(const ReferenceSurface& surface, const cache::Manifest& manifest, cache::TileWriter& writer,
-                             std::vector<LevelSummary>& levels, const ProgressFn& progress) {
+Expected<void> measure_tiles(const ReferenceSurface& surface, const cache::Manifest& manifest,
+                             cache::TileWriter& writer, std::vector<LevelSummary>& levels, const ProgressFn& progress) {
   Pass pass(surface, manifest, writer, progress);
   if (auto done = pass.run(); !done) return done;
   std::vector<MeasuredError> totals(levels.size());
@@ -190,7 +192,8 @@ Expected<void> measure_tiles(const ReferenceSurface& surface, const cache::Manif
     const double bound = manifest.layout.bound_m(level);
     if (error.max_m > bound) {
       return fail(ErrorCode::kCheckFailed,
-                  fmt::format("its measured error of {:.9g} m exceeds its bound of {:.9g} m; this is a fault of the program, please report it",
+                  fmt::format("its measured error of {:.9g} m exceeds its bound of {:.9g} m; this is a fault of the "
+                              "program, please report it",
                               error.max_m, bound),
                   "tile " + tile->info.id.text());
     }

@@ -10,8 +10,8 @@ struct Quadric {
   double x = 0, y = 0, z = 0, one = 0;
 
   static Quadric of_plane(double a, double b, double c, double weight) {
-    return {weight * a * a, weight * a * b, -weight * a, weight * b * b, -weight * b, weight,
-            weight * a * c, weight * b * c, -weight * c, weight * c * c};
+    return {weight * a * a, weight * a * b, -weight * a,    weight * b * b, -weight * b,
+            weight,         weight * a * c, weight * b * c, -weight * c,    weight * c * c};
   }
 
   Quadric& operator+=(const Quadric& o) {
@@ -27,9 +27,7 @@ struct Quadric {
   struct Plan {
     double xx, xy, yy, x, y, one;
 
-    double at(double px, double py) const {
-      return px * (xx * px + 2 * (xy * py + x)) + py * (yy * py + 2 * y) + one;
-    }
+    double at(double px, double py) const { return px * (xx * px + 2 * (xy * py + x)) + py * (yy * py + 2 * y) + one; }
     /// Minimises at() plus ridge * squared distance from (mx, my).
     void minimise(double mx, double my, double ridge, double& px, double& py) const {
       const double gx = -(x + xx * mx + xy * my);

@@ -55,7 +55,8 @@ PlanePatch fit(const HeightBlock& block, int i0, int j0, int cells) {
   patch.a = static_cast<float>(sum_x / (17 * 408) / stride);
   patch.b = static_cast<float>(sum_y / (17 * 408) / stride);
   const double centre = cells / 2;
-  patch.c = static_cast<float>(sum / 289 - (static_cast<double>(patch.a) + static_cast<double>(patch.b)) * centre + block.base_m);
+  patch.c = static_cast<float>(sum / 289 - (static_cast<double>(patch.a) + static_cast<double>(patch.b)) * centre +
+                               block.base_m);
   if (!std::isfinite(patch.a) || !std::isfinite(patch.b) || !std::isfinite(patch.c)) {
     patch.a = patch.b = 0;
     patch.c = static_cast<float>(block.base_m);
@@ -144,19 +145,20 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
   std::uint64_t done = 0;
   bool stopped = false;
   tbb::task_group tasks;
-  auto streamed = out->blocks_->stream([&](std::int64_t bx, std::int64_t by, const std::shared_ptr<const HeightBlock>& block) {
-    const auto at = static_cast<std::size_t>(by * across + bx);
-    tasks.run([&, at, block] {
-      out->patches_[at] = make_patches(*block);
-      out->ranges_[at] = range_of(*block, valid[at]);
-      hashes[at] = XXH3_128bits_withSeed(block->heights.data(), block->heights.size() * sizeof(float),
-                                         static_cast<XXH64_hash_t>(static_cast<std::int64_t>(block->base_m)));
-    });
-    // Lets no more than a band of blocks pile up.
-    if (++done % 32 == 0) tasks.wait();
-    stopped = !progress(done, total);
-    return !stopped;
-  });
+  auto streamed =
+      out->blocks_->stream([&](std::int64_t bx, std::int64_t by, const std::shared_ptr<const HeightBlock>& block) {
+        const auto at = static_cast<std::size_t>(by * across + bx);
+        tasks.run([&, at, block] {
+          out->patches_[at] = make_patches(*block);
+          out->ranges_[at] = range_of(*block, valid[at]);
+          hashes[at] = XXH3_128bits_withSeed(block->heights.data(), block->heights.size() * sizeof(float),
+                                             static_cast<XXH64_hash_t>(static_cast<std::int64_t>(block->base_m)));
+        });
+        // Lets no more than a band of blocks pile up.
+        if (++done % 32 == 0) tasks.wait();
+        stopped = !progress(done, total);
+        return !stopped;
+      });
   tasks.wait();
   if (!streamed) return tl::unexpected(streamed.error());
   if (stopped) return fail(ErrorCode::kStopped, "stopped while reading the DEM");

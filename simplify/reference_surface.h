@@ -41,8 +41,9 @@ struct BlockPatches {
 
   /// Patch of size index `size` (of kPatchCells) that contains cell (i, j) of the block.
   const PlanePatch& at(int size, int i, int j) const {
-    return size == 0 ? fine[static_cast<std::size_t>((j >> 4) * 16 + (i >> 4))]
-                     : size == 1 ? middle[static_cast<std::size_t>((j >> 6) * 4 + (i >> 6))] : whole;
+    return size == 0   ? fine[static_cast<std::size_t>((j >> 4) * 16 + (i >> 4))]
+           : size == 1 ? middle[static_cast<std::size_t>((j >> 6) * 4 + (i >> 6))]
+                       : whole;
   }
 };
 

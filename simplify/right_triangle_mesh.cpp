@@ -19,10 +19,16 @@ struct GridPoint {
 /// border), and splitting there needs the coarser triangles split first.
 class Splitter {
  public:
-  Splitter(SurfaceDistance& distance, const SurfaceView& view, std::int64_t column0, std::int64_t row0, std::int64_t cells,
-           double bound_m, const HeightLattice& heights)
-      : distance_(&distance), view_(&view), column0_(column0), row0_(row0), cells_(cells), bound_m_(bound_m),
-        heights_(heights), flags_(cells) {}
+  Splitter(SurfaceDistance& distance, const SurfaceView& view, std::int64_t column0, std::int64_t row0,
+           std::int64_t cells, double bound_m, const HeightLattice& heights)
+      : distance_(&distance),
+        view_(&view),
+        column0_(column0),
+        row0_(row0),
+        cells_(cells),
+        bound_m_(bound_m),
+        heights_(heights),
+        flags_(cells) {}
 
   SplitFlags run() {
     force_border();
@@ -101,7 +107,8 @@ class Splitter {
     const std::int64_t column = column0_ + x;
     const std::int64_t row = row0_ + y;
     if (column >= blocks.columns() - 1 || row >= blocks.rows() - 1) return false;
-    const PlanePatch& patch = view_->surface().patches(column >> 8, row >> 8)
+    const PlanePatch& patch = view_->surface()
+                                  .patches(column >> 8, row >> 8)
                                   .at(0, static_cast<int>(column & 255), static_cast<int>(row & 255));
     if (patch.empty()) return false;
     const double thickness = static_cast<double>(patch.high) - static_cast<double>(patch.low);
@@ -110,7 +117,53 @@ class Splitter {
 
   void split_square(std::int64_t x0, std::int64_t y0) {
     const std::int64_t extent = std::min(kSquare, cells_);
-    for (std::int64_t side = 2; side <= extent; side *= 2) split_all(x0, y0, extent, side);
+    const bool complete = extent == kSquare && load_square(x0, y0);
+    if (complete) split_smallest(x0, y0);
+    for (std::int64_t side = complete ? 4 : 2; side <= extent; side *= 2) split_all(x0, y0, extent, side);
+  }
+
+  /// Copies a square's samples; false when one is missing.
+  bool load_square(std::int64_t x0, std::int64_t y0) {
+    for (std::size_t j = 0; j < kLine; ++j) {
+      for (std::size_t i = 0; i < kLine; ++i) {
+        const double h = distance_->sample(x0 + static_cast<std::int64_t>(i), y0 + static_cast<std::int64_t>(j));
+        if (std::isnan(h)) return false;
+        samples_[j][i] = h;
+        snapped_[j][i] = heights_.snapped_m(h);
+      }
+    }
+    return true;
+  }
+
+  /// The tests of split_side() for squares of side 2, on the copied samples: the middle of each side and the
+  /// centre against the corners, and the unit diagonals that run against the surface's.
+  void split_smallest(std::int64_t x0, std::int64_t y0) {
+    const auto beyond = [this](double mesh, double surface) { return !(std::abs(mesh - surface) <= bound_m_); };
+    for (std::size_t j = 0; j + 1 < kLine; j += 2) {
+      const auto& north = snapped_[j];
+      const auto& south = snapped_[j + 2];
+      const auto* h = &samples_[j];
+      for (std::size_t i = 0; i + 1 < kLine; i += 2) {
+        const std::int64_t x = x0 + static_cast<std::int64_t>(i);
+        const std::int64_t y = y0 + static_cast<std::int64_t>(j);
+        const double centre = snapped_[j + 1][i + 1];
+        if (beyond((north[i] + north[i + 2]) / 2, h[0][i + 1])) force(x + 1, y);
+        if (beyond((south[i] + south[i + 2]) / 2, h[2][i + 1])) force(x + 1, y + 2);
+        if (beyond((north[i] + south[i]) / 2, h[1][i])) force(x, y + 1);
+        if (beyond((north[i + 2] + south[i + 2]) / 2, h[1][i + 2])) force(x + 2, y + 1);
+        const double north_east = (h[0][i + 1] + h[1][i + 2]) / 2;
+        const double south_west = (h[1][i] + h[2][i + 1]) / 2;
+        if (beyond((north[i + 2] + centre) / 2, north_east)) force_cell(x + 1, y);
+        if (beyond((south[i] + centre) / 2, south_west)) force_cell(x, y + 1);
+        const bool even = ((x / 2 + y / 2) & 1) == 0;
+        const double a = even ? north[i] : north[i + 2];
+        const double b = even ? south[i + 2] : south[i];
+        if (beyond((a + b) / 2, h[1][i + 1]) ||
+            (!even && (beyond(0.75 * a + 0.25 * b, north_east) || beyond(0.25 * a + 0.75 * b, south_west)))) {
+          force(x + 1, y + 1);
+        }
+      }
+    }
   }
 
   void split_all(std::int64_t x0, std::int64_t y0, std::int64_t extent, std::int64_t side) {
@@ -152,6 +205,8 @@ class Splitter {
     }
   }
 
+  static constexpr std::size_t kLine = kSquare + 1;
+
   SurfaceDistance* distance_;
   const SurfaceView* view_;
   std::int64_t column0_;
@@ -160,12 +215,15 @@ class Splitter {
   double bound_m_;
   HeightLattice heights_;
   SplitFlags flags_;
+  std::array<std::array<double, kLine>, kLine> samples_;
+  std::array<std::array<double, kLine>, kLine> snapped_;
 };
 
 /// Walks the split triangles and collects vertices and triangles in that order: a space-filling curve.
 class Extractor {
  public:
-  Extractor(SurfaceDistance& distance, SplitFlags& flags, std::int64_t cells, const HeightLattice& heights, const CornerFlips& flips)
+  Extractor(SurfaceDistance& distance, SplitFlags& flags, std::int64_t cells, const HeightLattice& heights,
+            const CornerFlips& flips)
       : distance_(&distance), flags_(&flags), cells_(cells), heights_(heights), flips_(flips) {
     vertex_of_rank_.assign(static_cast<std::size_t>(flags.number()), kNone);
   }
@@ -250,8 +308,9 @@ class Extractor {
 
 }  // namespace
 
-StartMesh right_triangle_mesh(SurfaceDistance& distance, const SurfaceView& view, std::int64_t column0, std::int64_t row0,
-                              std::int64_t cells, double bound_m, const HeightLattice& heights, const CornerFlips& flips) {
+StartMesh right_triangle_mesh(SurfaceDistance& distance, const SurfaceView& view, std::int64_t column0,
+                              std::int64_t row0, std::int64_t cells, double bound_m, const HeightLattice& heights,
+                              const CornerFlips& flips) {
   SplitFlags flags = Splitter(distance, view, column0, row0, cells, bound_m, heights).run();
   return Extractor(distance, flags, cells, heights, flips).run();
 }

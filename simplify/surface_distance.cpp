@@ -9,13 +9,16 @@
 namespace tintree::simplify {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Coordinates this near to a grid line are on it.
 constexpr double kSnap = 1e-9;
 /// Below this weight the hub cannot move a point measurably: it lies on the old outer edge.
 constexpr float kMinWeight = 1e-6F;
 /// Triangles and spokes longer than this are settled square by square.
-constexpr double kLarge = 24;
+constexpr std::int64_t kLarge = 24;
+
+/// Index into kPatchCells of the squares to begin with over something this long.
+int patch_size_for(std::int64_t extent) { return extent < 128 ? 0 : extent < 512 ? 1 : 2; }
 
 // Eight floats at a time; compiled once for the machine's baseline and once for AVX2.
 #define TINTREE_CLONES __attribute__((target_clones("avx2", "default")))
@@ -87,28 +90,44 @@ TINTREE_CLONES bool span_within(const RowSpan& span, const RowSteps& steps) {
 
 }  // namespace
 
-/// A triangle's height, plane(x, y), and the hub's weight in it, as affine functions; and its outline.
+/// A triangle's height and the hub's weight in it as affine functions, and its outline as half-planes.
 struct SurfaceDistance::Plane {
   double z0, zx, zy;  // height at (0, 0), its slopes
   double w0, wx, wy;  // weight at (0, 0), its slopes
-  Point corner[3];
-  double slope[3];  // of the edge from corner[i] to corner[i + 1]: dx / dy
+  std::array<Point, 3> corner;
+  // The triangle's part of row y runs from max(left[k] + y left_slope[k]) to min(right[k] + y right_slope[k]).
+  std::array<double, 2> left{-kInfinity, -kInfinity};
+  std::array<double, 2> left_slope{};
+  std::array<double, 2> right{kInfinity, kInfinity};
+  std::array<double, 2> right_slope{};
 
   Plane(const Point& hub, const Point& b, const Point& c) : corner{hub, b, c} {
-    const double d = (hub.x - c.x) * (b.y - c.y) - (b.x - c.x) * (hub.y - c.y);
-    wx = (b.y - c.y) / d;
-    wy = (c.x - b.x) / d;
+    const double scale = 1 / ((hub.x - c.x) * (b.y - c.y) - (b.x - c.x) * (hub.y - c.y));
+    wx = (b.y - c.y) * scale;
+    wy = (c.x - b.x) * scale;
     w0 = -wx * c.x - wy * c.y;
-    const double ux = (c.y - hub.y) / d;
-    const double uy = (hub.x - c.x) / d;
+    const double ux = (c.y - hub.y) * scale;
+    const double uy = (hub.x - c.x) * scale;
     const double u0 = -ux * c.x - uy * c.y;
     zx = wx * (hub.z - c.z) + ux * (b.z - c.z);
     zy = wy * (hub.z - c.z) + uy * (b.z - c.z);
     z0 = c.z + w0 * (hub.z - c.z) + u0 * (b.z - c.z);
-    for (int i = 0; i < 3; ++i) {
+    const bool mirrored = scale < 0;
+    std::size_t lefts = 0;
+    std::size_t rights = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
       const Point& p = corner[i];
-      const Point& q = corner[(i + 1) % 3];
-      slope[i] = p.y == q.y ? 0 : (q.x - p.x) / (q.y - p.y);
+      const Point& q = corner[i == 2 ? 0 : i + 1];
+      if (p.y == q.y) continue;
+      const double slope = (q.x - p.x) / (q.y - p.y);
+      const double start = p.x - p.y * slope;
+      if ((q.y < p.y) != mirrored) {
+        left[lefts] = start;
+        left_slope[lefts++] = slope;
+      } else {
+        right[rights] = start;
+        right_slope[rights++] = slope;
+      }
     }
   }
 
@@ -119,39 +138,25 @@ struct SurfaceDistance::Plane {
   double min_y() const { return std::min({corner[0].y, corner[1].y, corner[2].y}); }
   double max_y() const { return std::max({corner[0].y, corner[1].y, corner[2].y}); }
 
-  /// The part of row y inside the triangle.
-  void span(double y, double& left, double& right) const {
-    left = std::numeric_limits<double>::infinity();
-    right = -left;
-    for (int i = 0; i < 3; ++i) {
-      const Point& p = corner[i];
-      const Point& q = corner[i == 2 ? 0 : i + 1];
-      if ((p.y < y && q.y < y) || (p.y > y && q.y > y)) continue;
-      if (p.y == q.y) {
-        left = std::min({left, p.x, q.x});
-        right = std::max({right, p.x, q.x});
-      } else {
-        const double x = p.x + (y - p.y) * slope[i];
-        left = std::min(left, x);
-        right = std::max(right, x);
-      }
-    }
+  std::int64_t first_row() const { return static_cast<std::int64_t>(std::ceil(min_y() - kSnap)); }
+  std::int64_t last_row() const { return static_cast<std::int64_t>(std::floor(max_y() + kSnap)); }
+  /// Whole coordinates of row y, one of the triangle's, inside it.
+  std::int64_t first_in(double y) const {
+    return static_cast<std::int64_t>(
+        std::ceil(std::max(left[0] + y * left_slope[0], left[1] + y * left_slope[1]) - kSnap));
+  }
+  std::int64_t last_in(double y) const {
+    return static_cast<std::int64_t>(
+        std::floor(std::min(right[0] + y * right_slope[0], right[1] + y * right_slope[1]) + kSnap));
   }
 
   /// Whether the square lies wholly outside one of the triangle's edges.
   bool misses(double x0, double y0, double x1, double y1) const {
-    for (int i = 0; i < 3; ++i) {
-      const Point& p = corner[i];
-      const Point& q = corner[(i + 1) % 3];
-      const Point& r = corner[(i + 2) % 3];
-      const double nx = q.y - p.y;
-      const double ny = p.x - q.x;
-      const double side = nx * (r.x - p.x) + ny * (r.y - p.y) > 0 ? 1 : -1;
-      const double far = std::max(side * nx * (x0 - p.x), side * nx * (x1 - p.x)) +
-                         std::max(side * ny * (y0 - p.y), side * ny * (y1 - p.y));
-      if (far < 0) return true;
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (x1 < left[k] + left_slope[k] * (left_slope[k] > 0 ? y0 : y1)) return true;
+      if (x0 > right[k] + right_slope[k] * (right_slope[k] > 0 ? y1 : y0)) return true;
     }
-    return false;
+    return y1 < min_y() || y0 > max_y();
   }
 };
 
@@ -178,6 +183,31 @@ SurfaceDistance::SampleRun SurfaceDistance::run_at(std::int64_t x, std::int64_t 
   const std::int64_t i = column - (cell_x & ~std::int64_t{255});
   const std::int64_t j = row - (cell_y & ~std::int64_t{255});
   return {block.row(static_cast<int>(j)) + i, cache::kBlockSamples - i, block.base_m};
+}
+
+/// The samples of a rectangle that lies in one block; origin is null when it does not.
+struct SurfaceDistance::Window {
+  const float* origin;
+  std::int64_t x0;
+  std::int64_t y0;
+  double base;
+
+  const float* at(std::int64_t x, std::int64_t y) const { return origin + (y - y0) * cache::kBlockStride + (x - x0); }
+};
+
+SurfaceDistance::Window SurfaceDistance::window_over(double x0, double y0, double x1, double y1) {
+  const cache::HeightBlocks& blocks = view_->surface().blocks();
+  const auto west = static_cast<std::int64_t>(std::floor(x0));
+  const auto north = static_cast<std::int64_t>(std::floor(y0));
+  const std::int64_t cell_x = std::min(column0_ + west, blocks.columns() - 2);
+  const std::int64_t cell_y = std::min(row0_ + north, blocks.rows() - 2);
+  const std::int64_t i0 = cell_x & ~std::int64_t{255};
+  const std::int64_t j0 = cell_y & ~std::int64_t{255};
+  const bool one = static_cast<double>(column0_) + x1 <= static_cast<double>(i0 + cache::kBlockCells) &&
+                   static_cast<double>(row0_) + y1 <= static_cast<double>(j0 + cache::kBlockCells);
+  if (!one) return {nullptr, 0, 0, 0};
+  const cache::HeightBlock& block = view_->block_of(cell_x, cell_y);
+  return {block.row(0), i0 - column0_, j0 - row0_, block.base_m};
 }
 
 double SurfaceDistance::height_at(double x, double y) {
@@ -207,14 +237,15 @@ namespace {
 template <typename Plane>
 bool patch_settles(const PlanePatch& patch, double x0, double y0, int cells, const Plane& plane, double bound_m,
                    const HeightInterval& interval) {
-  double lowest = std::numeric_limits<double>::infinity();
-  double highest = -lowest;
+  double lowest = kInfinity;
+  double highest = -kInfinity;
   for (int k = 0; k < 4; ++k) {
     const double dx = (k & 1) != 0 ? cells : 0;
     const double dy = (k & 2) != 0 ? cells : 0;
     const double weight = plane.weight(x0 + dx, y0 + dy);
-    const double gap = plane.height(x0 + dx, y0 + dy) -
-                       (static_cast<double>(patch.c) + static_cast<double>(patch.a) * dx + static_cast<double>(patch.b) * dy);
+    const double gap =
+        plane.height(x0 + dx, y0 + dy) -
+        (static_cast<double>(patch.c) + static_cast<double>(patch.a) * dx + static_cast<double>(patch.b) * dy);
     lowest = std::min({lowest, gap + weight * interval.lo, gap + weight * interval.hi});
     highest = std::max({highest, gap + weight * interval.lo, gap + weight * interval.hi});
   }
@@ -240,11 +271,12 @@ bool SurfaceDistance::walk_square(int size, std::int64_t x0, std::int64_t y0, co
   const std::int64_t row = row0_ + y0;
   const cache::HeightBlocks& blocks = view_->surface().blocks();
   if (column < 0 || row < 0 || column >= blocks.columns() - 1 || row >= blocks.rows() - 1) return true;
-  const PlanePatch& patch = view_->surface().patches(column >> 8, row >> 8)
+  const PlanePatch& patch = view_->surface()
+                                .patches(column >> 8, row >> 8)
                                 .at(size, static_cast<int>(column & 255), static_cast<int>(row & 255));
   const Verdict verdict = settle(patch, x, y, cells);
   if (verdict != Verdict::kOpen) return verdict == Verdict::kSkip;
-  if (size == 0) return rows(x0, y0, x0 + cells, y0 + cells);
+  if (size == 0) return rows(x0, std::max(y0, plane.first_row()), x0 + cells, std::min(y0 + cells, plane.last_row()));
   const int part = kPatchCells[static_cast<std::size_t>(size) - 1];
   for (int j = 0; j < cells; j += part) {
     for (int i = 0; i < cells; i += part) {
@@ -258,14 +290,16 @@ bool SurfaceDistance::walk_square(int size, std::int64_t x0, std::int64_t y0, co
 template <typename Settle, typename Rows>
 bool SurfaceDistance::walk(const Plane& plane, const Settle& settle, const Rows& rows) {
   const auto x0 = static_cast<std::int64_t>(std::ceil(plane.min_x() - kSnap));
-  const auto y0 = static_cast<std::int64_t>(std::ceil(plane.min_y() - kSnap));
+  const std::int64_t y0 = plane.first_row();
   const auto x1 = static_cast<std::int64_t>(std::floor(plane.max_x() + kSnap));
-  const auto y1 = static_cast<std::int64_t>(std::floor(plane.max_y() + kSnap));
-  if (static_cast<double>(x1 - x0) < kLarge || static_cast<double>(y1 - y0) < kLarge) return rows(x0, y0, x1, y1);
+  const std::int64_t y1 = plane.last_row();
   const std::int64_t extent = std::max(x1 - x0, y1 - y0);
-  const int size = extent < 128 ? 0 : extent < 512 ? 1 : 2;
+  if (extent < kLarge) return rows(x0, y0, x1, y1);
+  const int size = patch_size_for(extent);
   const std::int64_t cells = kPatchCells[static_cast<std::size_t>(size)];
-  const auto snap_down = [cells](std::int64_t v, std::int64_t origin) { return ((v + origin) & ~(cells - 1)) - origin; };
+  const auto snap_down = [cells](std::int64_t v, std::int64_t origin) {
+    return ((v + origin) & ~(cells - 1)) - origin;
+  };
   for (std::int64_t y = snap_down(y0, row0_); y <= y1; y += cells) {
     for (std::int64_t x = snap_down(x0, column0_); x <= x1; x += cells) {
       if (!walk_square(size, x, y, plane, settle, rows)) return false;
@@ -282,48 +316,50 @@ void SurfaceDistance::clip_rows(const Plane& plane, std::int64_t x0, std::int64_
   auto lo = static_cast<float>(interval.lo);
   auto hi = static_cast<float>(interval.hi);
   int count = 0;
-  for (std::int64_t y = y0; y <= y1 && lo <= hi; ++y) {
+  const auto flush = [&] {
+    clip_spans(spans.data(), count, steps, lo, hi);
+    count = 0;
+  };
+  const auto add = [&](const float* heights, double base, std::int64_t first, std::int64_t y, std::int64_t n) {
+    const auto xd = static_cast<double>(first);
     const auto yd = static_cast<double>(y);
-    double left = 0;
-    double right = 0;
-    plane.span(yd, left, right);
-    std::int64_t first = std::max(x0, static_cast<std::int64_t>(std::ceil(left - kSnap)));
-    const std::int64_t last = std::min(x1, static_cast<std::int64_t>(std::floor(right + kSnap)));
-    while (first <= last) {
+    spans[static_cast<std::size_t>(count++)] = {heights, static_cast<int>(n), static_cast<float>(plane.weight(xd, yd)),
+                                                static_cast<float>(plane.height(xd, yd) - base)};
+    if (count == kBatch) flush();
+  };
+  const Window window =
+      window_over(static_cast<double>(x0), static_cast<double>(y0), static_cast<double>(x1), static_cast<double>(y1));
+  for (std::int64_t y = y0; y <= y1 && lo <= hi; ++y) {
+    std::int64_t first = std::max(x0, plane.first_in(static_cast<double>(y)));
+    const std::int64_t last = std::min(x1, plane.last_in(static_cast<double>(y)));
+    if (window.origin != nullptr) {
+      if (first <= last) add(window.at(first, y), window.base, first, y, last - first + 1);
+      continue;
+    }
+    for (; first <= last; ++first) {
       const SampleRun run = run_at(first, y);
       const std::int64_t n = std::min(last - first + 1, run.room);
-      const auto xd = static_cast<double>(first);
-      spans[static_cast<std::size_t>(count++)] = {run.heights, static_cast<int>(n), static_cast<float>(plane.weight(xd, yd)),
-                                                  static_cast<float>(plane.height(xd, yd) - run.base)};
-      first += n;
-      // Pinned blocks may go when another is fetched, so a batch never spans two.
-      if (count == kBatch || first <= last || n == run.room) {
-        clip_spans(spans.data(), count, steps, lo, hi);
-        count = 0;
-      }
+      add(run.heights, run.base, first, y, n);
+      first += n - 1;
+      // The pinned block may go when another is fetched.
+      if (n == run.room && count > 0) flush();
     }
-    if ((row0_ + y + 1) % cache::kBlockCells == 0) {
-      clip_spans(spans.data(), count, steps, lo, hi);
-      count = 0;
-    }
+    if ((row0_ + y + 1) % cache::kBlockCells == 0 && count > 0) flush();
   }
-  clip_spans(spans.data(), count, steps, lo, hi);
+  if (count > 0) flush();
   interval.lo = std::max(interval.lo, static_cast<double>(lo));
   interval.hi = std::min(interval.hi, static_cast<double>(hi));
 }
 
-bool SurfaceDistance::rows_within(const Plane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1,
-                                  double bound_m) {
+bool SurfaceDistance::rows_within(const Plane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1,
+                                  std::int64_t y1, double bound_m) {
   const RowSteps steps{0, static_cast<float>(plane.zx), static_cast<float>(bound_m)};
   const std::int64_t columns = view_->surface().blocks().columns();
   const std::int64_t rows = view_->surface().blocks().rows();
   for (std::int64_t y = y0; y <= y1; ++y) {
     const auto yd = static_cast<double>(y);
-    double left = 0;
-    double right = 0;
-    plane.span(yd, left, right);
-    std::int64_t first = std::max(x0, static_cast<std::int64_t>(std::ceil(left - kSnap)));
-    const std::int64_t last = std::min(x1, static_cast<std::int64_t>(std::floor(right + kSnap)));
+    std::int64_t first = std::max(x0, plane.first_in(yd));
+    const std::int64_t last = std::min(x1, plane.last_in(yd));
     if (first <= last && (column0_ + last >= columns || row0_ + y >= rows)) return false;
     while (first <= last) {
       const SampleRun run = run_at(first, y);
@@ -342,11 +378,8 @@ bool SurfaceDistance::any_sample(const Plane& plane) {
   };
   return !walk(plane, settle, [&](std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1) {
     for (std::int64_t y = y0; y <= y1; ++y) {
-      double left = 0;
-      double right = 0;
-      plane.span(static_cast<double>(y), left, right);
-      const std::int64_t last = std::min(x1, static_cast<std::int64_t>(std::floor(right + kSnap)));
-      for (auto x = std::max(x0, static_cast<std::int64_t>(std::ceil(left - kSnap))); x <= last; ++x) {
+      const std::int64_t last = std::min(x1, plane.last_in(static_cast<double>(y)));
+      for (std::int64_t x = std::max(x0, plane.first_in(static_cast<double>(y))); x <= last; ++x) {
         if (!std::isnan(sample(x, y))) return false;
       }
     }
@@ -354,10 +387,12 @@ bool SurfaceDistance::any_sample(const Plane& plane) {
   });
 }
 
-void SurfaceDistance::clip_triangle(const Point& hub, const Point& b, const Point& c, double bound_m, HeightInterval& interval) {
+void SurfaceDistance::clip_triangle(const Point& hub, const Point& b, const Point& c, double bound_m,
+                                    HeightInterval& interval) {
   const Plane plane(hub, b, c);
   const auto settle = [&](const PlanePatch& patch, double x0, double y0, int cells) {
-    return patch.empty() || patch_settles(patch, x0, y0, cells, plane, bound_m, interval) ? Verdict::kSkip : Verdict::kOpen;
+    return patch.empty() || patch_settles(patch, x0, y0, cells, plane, bound_m, interval) ? Verdict::kSkip
+                                                                                          : Verdict::kOpen;
   };
   walk(plane, settle, [&](std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1) {
     clip_rows(plane, x0, y0, x1, y1, bound_m, interval);
@@ -389,6 +424,9 @@ SurfaceDistance::Fit SurfaceDistance::fit_triangle(const Point& a, const Point& 
     }
   }
   if (within) return Fit::kWithin;
+  for (const Point& p : plane.corner) {
+    if (!std::isnan(sample(static_cast<std::int64_t>(p.x), static_cast<std::int64_t>(p.y)))) return Fit::kBeyond;
+  }
   return any_sample(plane) ? Fit::kBeyond : Fit::kMissing;
 }
 
@@ -413,11 +451,10 @@ struct Crossings {
 };
 
 /// Narrows the interval by one point of a spoke, at share t of the way from the hub.
-void clip_point(double t, double residual, double bound_m, HeightInterval& interval) {
-  const double low = (residual - bound_m) / (1 - t);
-  const double high = (residual + bound_m) / (1 - t);
-  if (low > interval.lo) interval.lo = low;
-  if (high < interval.hi) interval.hi = high;
+inline void clip_point(double t, double residual, double bound_m, HeightInterval& interval) {
+  const double weight = 1 - t;
+  if (residual - bound_m > interval.lo * weight) interval.lo = (residual - bound_m) / weight;
+  if (residual + bound_m < interval.hi * weight) interval.hi = (residual + bound_m) / weight;
 }
 
 }  // namespace
@@ -428,10 +465,17 @@ void SurfaceDistance::clip_spoke_piece(const Point& hub, const Point& b, double 
   const double dy = b.y - hub.y;
   const double dz = b.z - hub.z;
   const auto inside = [](double t) { return t > 0 && t < 1; };
+  // Nearly every spoke lies in one block, whose samples can then be addressed at once.
+  const Window window =
+      window_over(std::min(hub.x, b.x), std::min(hub.y, b.y), std::max(hub.x, b.x), std::max(hub.y, b.y));
+  const auto run_at = [&](std::int64_t x, std::int64_t y) {
+    return window.origin != nullptr ? SampleRun{window.at(x, y), 0, window.base} : this->run_at(x, y);
+  };
   if (dx != 0) {
+    const double per_column = 1 / dx;
     const Crossings columns(hub.x + t0 * dx, hub.x + t1 * dx);
     for (std::int64_t i = columns.first; i <= columns.last && !interval.empty(); ++i) {
-      const double t = (static_cast<double>(i) - hub.x) / dx;
+      const double t = (static_cast<double>(i) - hub.x) * per_column;
       if (!inside(t)) continue;
       const double y = hub.y + t * dy;
       const double j = std::floor(y + kSnap);
@@ -440,9 +484,10 @@ void SurfaceDistance::clip_spoke_piece(const Point& hub, const Point& b, double 
     }
   }
   if (dy != 0) {
+    const double per_row = 1 / dy;
     const Crossings rows(hub.y + t0 * dy, hub.y + t1 * dy);
     for (std::int64_t j = rows.first; j <= rows.last && !interval.empty(); ++j) {
-      const double t = (static_cast<double>(j) - hub.y) / dy;
+      const double t = (static_cast<double>(j) - hub.y) * per_row;
       if (!inside(t)) continue;
       const double x = hub.x + t * dx;
       const double i = std::floor(x + kSnap);
@@ -453,32 +498,37 @@ void SurfaceDistance::clip_spoke_piece(const Point& hub, const Point& b, double 
   if (dx != dy) {
     const double slant = dx - dy;
     const double start = hub.x - hub.y;
+    const double per_diagonal = 1 / slant;
     const Crossings diagonals(start + t0 * slant, start + t1 * slant);
     for (std::int64_t d = diagonals.first; d <= diagonals.last && !interval.empty(); ++d) {
-      const double t = (static_cast<double>(d) - start) / slant;
+      const double t = (static_cast<double>(d) - start) * per_diagonal;
       if (!inside(t)) continue;
       const double x = hub.x + t * dx;
       const double i = std::floor(x + kSnap);
       const SampleRun run = run_at(static_cast<std::int64_t>(i), static_cast<std::int64_t>(i) - d);
-      clip_point(t, run.base + between(run.heights, cache::kBlockStride + 1, x - i) - (hub.z + t * dz), bound_m, interval);
+      clip_point(t, run.base + between(run.heights, cache::kBlockStride + 1, x - i) - (hub.z + t * dz), bound_m,
+                 interval);
     }
   }
 }
 
-bool SurfaceDistance::spoke_square_settled(const Point& hub, const Point& b, double t0, double t1, std::int64_t x0,
-                                           std::int64_t y0, double bound_m, const HeightInterval& interval) const {
+bool SurfaceDistance::spoke_square_settled(int size, const Point& hub, const Point& b, double t0, double t1,
+                                           std::int64_t x0, std::int64_t y0, double bound_m,
+                                           const HeightInterval& interval) const {
   const cache::HeightBlocks& blocks = view_->surface().blocks();
   const std::int64_t column = column0_ + x0;
   const std::int64_t row = row0_ + y0;
   if (column < 0 || row < 0 || column >= blocks.columns() - 1 || row >= blocks.rows() - 1) return false;
-  const PlanePatch& patch =
-      view_->surface().patches(column >> 8, row >> 8).at(0, static_cast<int>(column & 255), static_cast<int>(row & 255));
+  const PlanePatch& patch = view_->surface()
+                                .patches(column >> 8, row >> 8)
+                                .at(size, static_cast<int>(column & 255), static_cast<int>(row & 255));
   if (patch.empty()) return false;
   for (const double t : {t0, t1}) {
     const double dx = hub.x + t * (b.x - hub.x) - static_cast<double>(x0);
     const double dy = hub.y + t * (b.y - hub.y) - static_cast<double>(y0);
-    const double gap = hub.z + t * (b.z - hub.z) -
-                       (static_cast<double>(patch.c) + static_cast<double>(patch.a) * dx + static_cast<double>(patch.b) * dy);
+    const double gap =
+        hub.z + t * (b.z - hub.z) -
+        (static_cast<double>(patch.c) + static_cast<double>(patch.a) * dx + static_cast<double>(patch.b) * dy);
     const double low = gap + (1 - t) * interval.lo - static_cast<double>(patch.high);
     const double high = gap + (1 - t) * interval.hi - static_cast<double>(patch.low);
     if (!(low >= -bound_m) || !(high <= bound_m)) return false;
@@ -486,32 +536,40 @@ bool SurfaceDistance::spoke_square_settled(const Point& hub, const Point& b, dou
   return true;
 }
 
-void SurfaceDistance::clip_spoke(const Point& hub, const Point& b, double bound_m, HeightInterval& interval) {
+/// Walks the squares of one size along a piece of the spoke, and opens those that their patch does not settle.
+void SurfaceDistance::walk_spoke(int size, const Point& hub, const Point& b, double t0, double t1, double bound_m,
+                                 HeightInterval& interval) {
   const double dx = b.x - hub.x;
   const double dy = b.y - hub.y;
-  if (std::max(std::abs(dx), std::abs(dy)) < kLarge) {
-    clip_spoke_piece(hub, b, 0, 1, bound_m, interval);
-    return;
-  }
-  // Walk the finest squares along the spoke and open only those that their patch does not settle.
-  constexpr int kCells = kPatchCells[0];
+  const int cells = kPatchCells[static_cast<std::size_t>(size)];
   // On a side of two squares: the one that the spoke goes into.
-  const auto square = [](double v, double step, std::int64_t origin) {
+  const auto square = [cells](double v, double step, std::int64_t origin) {
     const double global = v + static_cast<double>(origin) + (step < 0 ? -kSnap : kSnap);
-    return static_cast<std::int64_t>(std::floor(global / kCells)) * kCells - origin;
+    return static_cast<std::int64_t>(std::floor(global / cells)) * cells - origin;
   };
-  const auto leaves_at = [](double from, double step, std::int64_t low) {
-    return step == 0 ? 1 : (static_cast<double>(step > 0 ? low + kCells : low) - from) / step;
+  const auto leaves_at = [cells](double from, double step, std::int64_t low) {
+    return step == 0 ? 1 : (static_cast<double>(step > 0 ? low + cells : low) - from) / step;
   };
-  for (double t = 0; t < 1 && !interval.empty();) {
+  for (double t = t0; t < t1 && !interval.empty();) {
     const std::int64_t x0 = square(hub.x + t * dx, dx, column0_);
     const std::int64_t y0 = square(hub.y + t * dy, dy, row0_);
-    const double end = std::max(std::min({1.0, leaves_at(hub.x, dx, x0), leaves_at(hub.y, dy, y0)}), t + 1e-12);
-    if (!spoke_square_settled(hub, b, t, end, x0, y0, bound_m, interval)) {
-      clip_spoke_piece(hub, b, t, end, bound_m, interval);
+    const double end = std::max(std::min({t1, leaves_at(hub.x, dx, x0), leaves_at(hub.y, dy, y0)}), t + 1e-12);
+    if (!spoke_square_settled(size, hub, b, t, end, x0, y0, bound_m, interval)) {
+      if (size > 0)
+        walk_spoke(size - 1, hub, b, t, end, bound_m, interval);
+      else
+        clip_spoke_piece(hub, b, t, end, bound_m, interval);
     }
     t = end;
   }
+}
+
+void SurfaceDistance::clip_spoke(const Point& hub, const Point& b, double bound_m, HeightInterval& interval) {
+  const auto extent = static_cast<std::int64_t>(std::max(std::abs(b.x - hub.x), std::abs(b.y - hub.y)));
+  if (extent < kLarge)
+    clip_spoke_piece(hub, b, 0, 1, bound_m, interval);
+  else
+    walk_spoke(patch_size_for(extent), hub, b, 0, 1, bound_m, interval);
 }
 
 }  // namespace tintree::simplify

@@ -59,18 +59,25 @@ class SurfaceDistance {
  private:
   struct Plane;
   struct SampleRun;
+  struct Window;
   SampleRun run_at(std::int64_t x, std::int64_t y);
+  Window window_over(double x0, double y0, double x1, double y1);
   template <typename Settle, typename Rows>
-  bool walk_square(int size, std::int64_t x0, std::int64_t y0, const Plane& plane, const Settle& settle, const Rows& rows);
+  bool walk_square(int size, std::int64_t x0, std::int64_t y0, const Plane& plane, const Settle& settle,
+                   const Rows& rows);
   template <typename Settle, typename Rows>
   bool walk(const Plane& plane, const Settle& settle, const Rows& rows);
   void clip_rows(const Plane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1, double bound_m,
                  HeightInterval& interval);
-  bool rows_within(const Plane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1, double bound_m);
+  bool rows_within(const Plane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1,
+                   double bound_m);
   bool any_sample(const Plane& plane);
-  bool spoke_square_settled(const Point& hub, const Point& b, double t0, double t1, std::int64_t x0, std::int64_t y0,
-                            double bound_m, const HeightInterval& interval) const;
-  void clip_spoke_piece(const Point& hub, const Point& b, double t0, double t1, double bound_m, HeightInterval& interval);
+  bool spoke_square_settled(int size, const Point& hub, const Point& b, double t0, double t1, std::int64_t x0,
+                            std::int64_t y0, double bound_m, const HeightInterval& interval) const;
+  void walk_spoke(int size, const Point& hub, const Point& b, double t0, double t1, double bound_m,
+                  HeightInterval& interval);
+  void clip_spoke_piece(const Point& hub, const Point& b, double t0, double t1, double bound_m,
+                        HeightInterval& interval);
 
   SurfaceView* view_;
   std::int64_t column0_;

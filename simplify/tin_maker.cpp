@@ -11,13 +11,14 @@ namespace tintree::simplify {
 namespace {
 
 /// Vertices lie on fractions of samples: 2^-kSubBits (docs/performance.md, Lattice).
-constexpr int kSubBits = 1;
+constexpr int kSubBits = 0;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-TinMaker::TinMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout) : view_(surface), layout_(layout) {}
+TinMaker::TinMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout)
+    : view_(surface), layout_(layout) {}
 
 Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
   const std::int64_t cells = layout_.cells_across(id.level);
@@ -57,7 +58,8 @@ Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
 }
 
 /// Repeats the side's settled collapses in this tile's half of the ribbon.
-void TinMaker::settle_side(const StartMesh& start, std::size_t which, const Side& side, double bound_m, const HeightLattice& heights) {
+void TinMaker::settle_side(const StartMesh& start, std::size_t which, const Side& side, double bound_m,
+                           const HeightLattice& heights) {
   for (const RibbonStep& step : ribbon_.settle(view_, side, bound_m, heights)) {
     const std::int32_t gone = start.sides[which][at(step.index)];
     if (gone == kNone || !mesh_.alive(gone)) continue;
@@ -94,7 +96,8 @@ void TinMaker::classify(std::int64_t span) {
     const LatticeVertex& a = mesh_.vertices[at(mesh_.target(first))];
     const LatticeVertex& b = mesh_.vertices[at(mesh_.origin(HalfEdgeMesh::previous(last)))];
     const std::int64_t turn = std::int64_t{a.x - here.x} * (b.y - here.y) - std::int64_t{a.y - here.y} * (b.x - here.x);
-    const std::int64_t along = std::int64_t{a.x - here.x} * (b.x - here.x) + std::int64_t{a.y - here.y} * (b.y - here.y);
+    const std::int64_t along =
+        std::int64_t{a.x - here.x} * (b.x - here.x) + std::int64_t{a.y - here.y} * (b.y - here.y);
     kind = turn == 0 && along < 0 ? VertexKind::kSlide : VertexKind::kPinned;
   }
 }
@@ -118,7 +121,8 @@ Expected<codec::TileMesh> TinMaker::take_mesh(const codec::TileId& id) const {
   if (out.vertices.empty()) return out;
   if (highest - lowest > codec::kMaxHeightAddress) {
     return fail(ErrorCode::kBadData,
-                fmt::format("its relief spans {} height steps, more than the {} of the format; choose an --error at least {:.1f} times as large",
+                fmt::format("its relief spans {} height steps, more than the {} of the format; choose an --error at "
+                            "least {:.1f} times as large",
                             highest - lowest, codec::kMaxHeightAddress,
                             static_cast<double>(highest - lowest) / codec::kMaxHeightAddress),
                 "tile " + id.text());

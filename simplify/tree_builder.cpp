@@ -96,7 +96,8 @@ Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surfac
     const double needed = std::max(relief / step / codec::kMaxHeightAddress, farthest / step / kMaxSteps);
     if (needed > 1) {
       return fail(ErrorCode::kBadData,
-                  fmt::format("heights differ by up to {:.6g} m within a tile of level {}, too much for 16 bits at an error of {:.6g} m; "
+                  fmt::format("heights differ by up to {:.6g} m within a tile of level {}, too much for the format at "
+                              "an error of {:.6g} m; "
                               "choose --error {:.3g} or more, or mark wrong samples as nodata",
                               relief, level, layout.leaf_error_m, 1.1 * layout.leaf_error_m * needed));
     }
@@ -128,26 +129,23 @@ Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, 
   std::atomic<bool> halt = false;
   const auto tokens = static_cast<std::size_t>(4 * tbb::this_task_arena::max_concurrency());
   tbb::parallel_pipeline(
-      tokens,
-      tbb::make_filter<void, TileId>(tbb::filter_mode::serial_in_order,
-                                     [&](tbb::flow_control& control) {
-                                       if (halt || next == todo.size()) {
-                                         control.stop();
-                                         return TileId{};
-                                       }
-                                       return todo[next++];
-                                     }) &
-          tbb::make_filter<TileId, MadeTile>(tbb::filter_mode::parallel,
-                                             [&](const TileId& id) { return make_one(*makers.local(), *codec, manifest, id); }) &
-          tbb::make_filter<MadeTile, void>(tbb::filter_mode::serial_out_of_order, [&](const MadeTile& made) {
-            if (!error && made.error) error = made.error;
-            if (!error && !made.tile.payload.empty()) {
-              if (auto put = writer.put(made.tile); !put) error = put.error();
-            }
-            levels[static_cast<std::size_t>(made.tile.info.id.level)].make_seconds += made.seconds;
-            const bool go_on = progress("tiles", ++done, total);
-            if (error || !go_on) halt = true;
-          }));
+      tokens, tbb::make_filter<void, TileId>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
+                if (halt || next == todo.size()) {
+                  control.stop();
+                  return TileId{};
+                }
+                return todo[next++];
+              }) & tbb::make_filter<TileId, MadeTile>(tbb::filter_mode::parallel, [&](const TileId& id) {
+                return make_one(*makers.local(), *codec, manifest, id);
+              }) & tbb::make_filter<MadeTile, void>(tbb::filter_mode::serial_out_of_order, [&](const MadeTile& made) {
+                if (!error && made.error) error = made.error;
+                if (!error && !made.tile.payload.empty()) {
+                  if (auto put = writer.put(made.tile); !put) error = put.error();
+                }
+                levels[static_cast<std::size_t>(made.tile.info.id.level)].make_seconds += made.seconds;
+                const bool go_on = progress("tiles", ++done, total);
+                if (error || !go_on) halt = true;
+              }));
   if (auto committed = writer.commit(); !committed && !error) error = committed.error();
   if (error) return tl::unexpected(*error);
   if (halt && done < total) return fail(ErrorCode::kStopped, "stopped; what is finished is kept");

@@ -23,13 +23,14 @@ struct LevelSummary {
   std::uint64_t triangles = 0;
   std::uint64_t bytes = 0;  ///< Payloads.
   double bound_m = 0;
-  double error_m = 0;  ///< Largest measured error of a tile.
-  double rms_m = 0;    ///< Over all its tiles' samples.
+  double error_m = 0;       ///< Largest measured error of a tile.
+  double rms_m = 0;         ///< Over all its tiles' samples.
   double make_seconds = 0;  ///< Spent by all threads together in this run.
 };
 
-/// The height steps of every level: a quarter of its bound, doubled where a tile's relief would not fit
-/// 16 bits. Fails with kBadData when even a step of the whole bound is too fine; says what error would do.
+/// The height steps of every level: a quarter of its bound, doubled where a tile's relief would not fit the
+/// format's 24 bits. Fails with kBadData when even a step of the whole bound is too fine; says what error
+/// would do.
 Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout);
 
 /// Makes all tiles that `writer` lacks, in depth-first Z-order, children before their parent, over all threads
@@ -40,7 +41,7 @@ Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, 
 
 /// Decodes every tile again and measures it against the DEM in one pass over the DEM, all levels at once;
 /// stores the measured errors and adds them to `levels`. kCheckFailed if a tile breaks its level's bound.
-Expected<void> measure_tiles(const ReferenceSurface& surface, const cache::Manifest& manifest, cache::TileWriter& writer,
-                             std::vector<LevelSummary>& levels, const ProgressFn& progress);
+Expected<void> measure_tiles(const ReferenceSurface& surface, const cache::Manifest& manifest,
+                             cache::TileWriter& writer, std::vector<LevelSummary>& levels, const ProgressFn& progress);
 
 }  // namespace tintree::simplify

@@ -40,48 +40,52 @@ int kind_of(const TileSurface& s, const Corner& a, const Corner& b) {
 
 }  // namespace
 
-void Coverage::list_runs(const TileSurface& s, const HeightWindow& window, std::span<const std::uint32_t> edges) {
+void Coverage::add_runs(const HeightWindow& window, const OpenEdge& e, int units) {
   const codec::CellRect& w = window.cells();
   // Unit edges on a window's far sides belong to the next window, where there is one.
   const std::int64_t last_column = w.column1 - (w.column1 == window.tile_width() ? 0 : 1);
   const std::int64_t last_row = w.row1 - (w.row1 == window.tile_height() ? 0 : 1);
+  const int step_x = kStepX[e.kind];
+  const int step_y = kStepY[e.kind];
+  if (step_x == 0 && (e.column < w.column0 || e.column > last_column)) return;
+  if (step_y == 0 && (e.row < w.row0 || e.row > last_row)) return;
+  const std::int64_t count = (e.lead + e.length + units - 1) / units;
+  std::int64_t first = 0;
+  std::int64_t last = count - 1;
+  if (step_x != 0) {
+    first = std::max(first, w.column0 - e.column);
+    last = std::min(last, last_column - e.column);
+  }
+  if (step_y != 0) {
+    first = std::max(first, w.row0 - e.row);
+    last = std::min(last, last_row - e.row);
+  }
+  for (std::int64_t i = first; i <= last; ++i) {
+    const std::int64_t from = i == 0 ? e.lead : 0;
+    const std::int64_t to = i == count - 1 ? e.lead + e.length - i * units : units;
+    runs_.push_back({edge_number(w, e.column + i * step_x, e.row + i * step_y, e.kind), static_cast<std::int32_t>(from),
+                     static_cast<std::int32_t>(to), e.forward});
+  }
+}
+
+void Coverage::list_runs(const TileSurface& s, const HeightWindow& window, std::span<const std::uint32_t> edges) {
   runs_.clear();
-  for (const std::uint32_t e : edges) {
-    if (!s.edges[e].open) continue;
-    const Corner& a = s.corners[s.edges[e].a];
-    const Corner& b = s.corners[s.edges[e].b];
+  for (const std::uint32_t number : edges) {
+    if (!s.edges[number].open) continue;
+    const Corner& a = s.corners[s.edges[number].a];
+    const Corner& b = s.corners[s.edges[number].b];
     const int kind = kind_of(s, a, b);
     if (kind < 0) continue;
-    const bool forward = kind == kColumn ? b.y > a.y : b.x > a.x;
-    const Corner& start = forward ? a : b;
-    const Corner& end = forward ? b : a;
-    const auto k = static_cast<std::size_t>(kind);
-    const std::int64_t length = kind == kColumn ? end.y - start.y : end.x - start.x;
-    // The first unit edge begins at the sample at or before the edge's own start.
-    const std::int64_t c0 = start.x / s.units;
-    const std::int64_t r0 = start.y / s.units;
-    const std::int64_t lead = kind == kColumn ? start.y % s.units : start.x % s.units;
-    const std::int64_t count = (lead + length + s.units - 1) / s.units;
-    std::int64_t i0 = 0;
-    std::int64_t i1 = count - 1;
-    if (kStepX[k] != 0) {
-      i0 = std::max(i0, w.column0 - c0);
-      i1 = std::min(i1, last_column - c0);
-    } else if (c0 < w.column0 || c0 > last_column) {
-      continue;
-    }
-    if (kStepY[k] != 0) {
-      i0 = std::max(i0, w.row0 - r0);
-      i1 = std::min(i1, last_row - r0);
-    } else if (r0 < w.row0 || r0 > last_row) {
-      continue;
-    }
-    for (std::int64_t i = i0; i <= i1; ++i) {
-      const std::int64_t from = i == 0 ? lead : 0;
-      const std::int64_t to = i == count - 1 ? lead + length - i * s.units : s.units;
-      runs_.push_back({edge_number(w, c0 + i * kStepX[k], r0 + i * kStepY[k], static_cast<std::uint32_t>(kind)),
-                       static_cast<std::int32_t>(from), static_cast<std::int32_t>(to), forward});
-    }
+    OpenEdge e;
+    e.kind = static_cast<std::uint32_t>(kind);
+    e.forward = kind == kColumn ? b.y > a.y : b.x > a.x;
+    const Corner& start = e.forward ? a : b;
+    const Corner& end = e.forward ? b : a;
+    e.column = start.x / s.units;
+    e.row = start.y / s.units;
+    e.lead = kind == kColumn ? start.y % s.units : start.x % s.units;
+    e.length = kind == kColumn ? end.y - start.y : end.x - start.x;
+    add_runs(window, e, s.units);
   }
   std::ranges::sort(runs_, {}, [](const Run& r) { return std::tuple(r.edge, r.from, r.to, r.forward); });
 }

@@ -56,7 +56,17 @@ class Coverage {
     std::uint64_t edge;
     bool forward;
   };
+  /// An open mesh edge on a grid line, seen from its north-west end.
+  struct OpenEdge {
+    std::uint32_t kind = 0;   // row, column or diagonal
+    bool forward = true;      // run away from that end
+    std::int64_t column = 0;  // sample at or before the end
+    std::int64_t row = 0;
+    std::int64_t lead = 0;  // lattice units from that sample to the end
+    std::int64_t length = 0;
+  };
 
+  void add_runs(const HeightWindow& window, const OpenEdge& edge, int units);
   void list_runs(const TileSurface& surface, const HeightWindow& window, std::span<const std::uint32_t> edges);
   std::uint64_t list_outline(const HeightWindow& window);
   Faults compare(const HeightWindow& window, int units) const;

@@ -1,6 +1,7 @@
 #include "apps/audit/hausdorff_probe.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <random>
 #include <vector>

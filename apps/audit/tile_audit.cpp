@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include "apps/audit/coverage.h"
@@ -119,7 +120,13 @@ class TileExamination {
     report_.triangles = mesh->triangles.size();
     const TileSurface surface = place(layout_, report_.id, *mesh);
     report_.sides = side_lines(surface);
-    if (auto measured = measure(surface); !measured) return measured;
+    Faults topology;
+    Expected<void> measured;
+    tbb::this_task_arena::isolate([&] {
+      tbb::parallel_invoke([&] { measured = measure(surface); }, [&] { topology = check_topology(surface); });
+    });
+    if (!measured) return measured;
+    blame(ViolationKind::kTopology, topology);
     judge(surface, stored->info);
     return {};
   }
@@ -166,7 +173,6 @@ class TileExamination {
                              static_cast<double>(reference_triangles) / 2));
     }
     blame(ViolationKind::kCoverage, faults);
-    blame(ViolationKind::kTopology, check_topology(surface));
   }
 
   void judge(const TileSurface& surface, const cache::TileInfo& info) {

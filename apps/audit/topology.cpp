@@ -1,15 +1,17 @@
 #include "apps/audit/topology.h"
 
+#include <array>
 #include <vector>
 
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <OpenMesh/Core/Mesh/TriConnectivity.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 #include <fmt/format.h>
 
 namespace tintree::audit {
 namespace {
 
-using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<>;
+/// Connectivity alone: places are known from the surface.
+using HalfEdgeMesh = OpenMesh::TriConnectivity;
 
 std::string place_text(const TileSurface& s, std::uint32_t vertex) {
   const Corner& p = s.corners[vertex];
@@ -36,11 +38,10 @@ Faults check_topology(const TileSurface& s) {
   mesh.reserve(s.corners.size(), s.edges.size(), s.triangles.size());
   std::vector<HalfEdgeMesh::VertexHandle> handles;
   handles.reserve(s.corners.size());
-  for (const Corner& p : s.corners) {
-    handles.push_back(mesh.add_vertex({static_cast<float>(p.x), static_cast<float>(-p.y), static_cast<float>(p.z_m)}));
-  }
+  for (std::size_t v = 0; v < s.corners.size(); ++v) handles.push_back(mesh.new_vertex());
   for (const codec::Triangle& t : s.triangles) {
-    if (!mesh.add_face(handles[t[0]], handles[t[1]], handles[t[2]]).is_valid()) {
+    const std::array<HalfEdgeMesh::VertexHandle, 3> corners{handles[t[0]], handles[t[1]], handles[t[2]]};
+    if (!mesh.add_face(corners.data(), corners.size()).is_valid()) {
       faults.add("a triangle does not fit its neighbours (edge used twice the same way or by three) " +
                  place_text(s, t[0]));
     }

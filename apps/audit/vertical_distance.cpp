@@ -123,9 +123,10 @@ void offer_diagonals(const Crossings& c, Peak& peak) {
   });
 }
 
-/// Whether both points lie on one and the same side of the tile.
+/// Whether both points lie on one and the same side of the tile's full square.
 bool on_one_side(const TileSurface& s, const Corner& a, const Corner& b) {
-  return (a.x == b.x && (a.x == 0 || a.x == s.width_units())) || (a.y == b.y && (a.y == 0 || a.y == s.height_units()));
+  const std::int64_t far = s.across * s.units;
+  return (a.x == b.x && (a.x == 0 || a.x == far)) || (a.y == b.y && (a.y == 0 || a.y == far));
 }
 
 void measure_corner(const TileSurface& s, const HeightWindow& window, const Corner& p, VerticalDistance& out) {

@@ -27,7 +27,7 @@ struct Peak {
 /// How far a mesh lies from the reference surface, vertically.
 struct VerticalDistance {
   Peak overall;               ///< The exact maximum over the whole area, not only at samples.
-  Peak border;                ///< The exact maximum along the tile's four sides.
+  Peak border;                ///< The same along the four sides of its full square, where neighbours meet.
   double sum_squares_m2 = 0;  ///< Over the covered samples.
   std::uint64_t samples = 0;  ///< Samples that both surfaces have, each once.
 

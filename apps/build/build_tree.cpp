@@ -40,16 +40,19 @@ Expected<void> check_output(const BuildOptions& options) {
   }
   const std::string building = cache::TileWriter::building_path(options.output);
   if (fs::exists(building, ec) && !options.resume && !options.overwrite) {
-    return fail(ErrorCode::kIo, "an unfinished build is there; go on with it by --resume or discard it by --overwrite", building);
+    return fail(ErrorCode::kIo, "an unfinished build is there; go on with it by --resume or discard it by --overwrite",
+                building);
   }
   const std::string parent = fs::path(options.output).parent_path().string();
   const std::string folder = parent.empty() ? "." : parent;
   if (!fs::is_directory(folder, ec)) return fail(ErrorCode::kIo, "no such folder; create it first", folder);
-  if (::access(folder.c_str(), W_OK) != 0) return fail(ErrorCode::kIo, "the folder may not be written to; check its permissions", folder);
+  if (::access(folder.c_str(), W_OK) != 0)
+    return fail(ErrorCode::kIo, "the folder may not be written to; check its permissions", folder);
   return {};
 }
 
-Expected<cache::Manifest> plan_tree(const BuildOptions& options, const cache::RasterInfo& info, const simplify::ReferenceSurface& surface) {
+Expected<cache::Manifest> plan_tree(const BuildOptions& options, const cache::RasterInfo& info,
+                                    const simplify::ReferenceSurface& surface) {
   cache::Manifest manifest;
   manifest.method = options.method;
   manifest.crs_wkt = info.crs_wkt;
@@ -76,7 +79,8 @@ Expected<cache::Manifest> plan_tree(const BuildOptions& options, const cache::Ra
 }
 
 Expected<cache::TileWriter> open_writer(const BuildOptions& options, const cache::Manifest& manifest) {
-  return options.resume ? cache::TileWriter::resume(options.output, manifest) : cache::TileWriter::create(options.output, manifest);
+  return options.resume ? cache::TileWriter::resume(options.output, manifest)
+                        : cache::TileWriter::create(options.output, manifest);
 }
 
 Error with_remedy(Error error, const BuildOptions& options) {
@@ -94,7 +98,8 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
 
   const std::uint64_t work = kWorkMiB + kWorkMiB / 2 * static_cast<std::uint64_t>(report.threads);
   if (options.memory_mib < work + 64) {
-    return fail(ErrorCode::kUsage, fmt::format("{} threads need at least {} MiB", report.threads, work + 64), "--memory");
+    return fail(ErrorCode::kUsage, fmt::format("{} threads need at least {} MiB", report.threads, work + 64),
+                "--memory");
   }
   const std::uint64_t cache_bytes = (options.memory_mib - work) * kMiB;
   cache::set_raster_cache_bytes(cache_bytes / 8);
@@ -110,12 +115,14 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
     line.report(step, done, total);
     return !stop_requested();
   };
-  auto blocks = std::make_shared<cache::HeightBlocks>(std::make_shared<cache::RasterSource>(std::move(*source)), cache_bytes / 8 * 7);
+  auto blocks = std::make_shared<cache::HeightBlocks>(std::make_shared<cache::RasterSource>(std::move(*source)),
+                                                      cache_bytes / 8 * 7);
   auto surface = simplify::ReferenceSurface::scan(
       blocks, [&](std::uint64_t done, std::uint64_t total) { return progress("reading blocks", done, total); });
   if (!surface) return tl::unexpected(with_remedy(surface.error(), options));
   report.read_seconds = seconds_since(begun);
-  if ((*surface)->valid_samples() == 0) return fail(ErrorCode::kBadData, "holds no heights: every sample is nodata", info.path);
+  if ((*surface)->valid_samples() == 0)
+    return fail(ErrorCode::kBadData, "holds no heights: every sample is nodata", info.path);
 
   auto manifest = plan_tree(options, info, **surface);
   if (!manifest) return tl::unexpected(manifest.error());
@@ -147,7 +154,8 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
 }  // namespace
 
 Expected<BuildReport> build_tree(const BuildOptions& options) {
-  const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const int threads =
+      options.threads > 0 ? options.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
   return arena.execute([&] { return build_in_arena(options, threads); });

@@ -30,7 +30,7 @@ struct BuildOptions {
 struct BuildReport {
   cache::Manifest manifest;
   std::vector<simplify::LevelSummary> levels;
-  std::uint64_t samples = 0;        ///< Of the raster, nodata too.
+  std::uint64_t samples = 0;  ///< Of the raster, nodata too.
   std::uint64_t valid_samples = 0;
   std::uint64_t file_bytes = 0;
   double seconds = 0;

@@ -23,8 +23,10 @@ Expected<void> check(const BuildOptions& o) {
   if (o.error_m && !(std::isfinite(*o.error_m) && *o.error_m > 0)) {
     return tintree::fail(ErrorCode::kUsage, "must be a positive number of metres", "--error");
   }
-  if (o.threads < 0 || o.threads > 1024) return tintree::fail(ErrorCode::kUsage, "must lie between 0 (all cores) and 1024", "--threads");
-  if (o.resume && o.overwrite) return tintree::fail(ErrorCode::kUsage, "choose one of --resume and --overwrite", "--resume");
+  if (o.threads < 0 || o.threads > 1024)
+    return tintree::fail(ErrorCode::kUsage, "must lie between 0 (all cores) and 1024", "--threads");
+  if (o.resume && o.overwrite)
+    return tintree::fail(ErrorCode::kUsage, "choose one of --resume and --overwrite", "--resume");
   return {};
 }
 
@@ -36,7 +38,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", TINTREE_VERSION);
   app.add_option("DEM", o.dem, "Elevation model, any raster that GDAL reads")->required();
   app.add_option("-o,--output", o.output, "Tree to write (.tintree)")->required();
-  app.add_option("--error", o.error_m, "Error bound of the leaves in metres; doubles with every level up (default: half the sample spacing)");
+  app.add_option("--error", o.error_m,
+                 "Error bound of the leaves in metres; doubles with every level up (default: half the sample spacing)");
   app.add_option("--method", o.method, "How tiles are made")->check(CLI::IsMember({"tin"}))->capture_default_str();
   app.add_option("--tile", o.tile_cells, "DEM cells along a leaf's side, a power of two")->capture_default_str();
   app.add_option("--threads", o.threads, "Threads to use, 0 for all cores")->capture_default_str();

@@ -30,21 +30,25 @@ simplify::LevelSummary total_of(const BuildReport& report) {
 }  // namespace
 
 std::string summary_text(const BuildReport& report, const std::string& output) {
-  std::string out = fmt::format("{:>5} {:>8} {:>11} {:>11} {:>12} {:>8} {:>11} {:>11} {:>6} {:>9}\n", "level", "tiles", "vertices",
-                                "triangles", "bytes", "bits/v", "bound m", "measured m", "ratio", "thread s");
+  std::string out =
+      fmt::format("{:>5} {:>8} {:>11} {:>11} {:>12} {:>8} {:>11} {:>11} {:>6} {:>9}\n", "level", "tiles", "vertices",
+                  "triangles", "bytes", "bits/v", "bound m", "measured m", "ratio", "thread s");
   const auto line = [&out](const std::string& name, const simplify::LevelSummary& l, const std::string& errors) {
-    fmt::format_to(std::back_inserter(out), "{:>5} {:>8} {:>11} {:>11} {:>12} {:>8.2f} {:>30} {:>9.2f}\n", name, l.tiles, l.vertices,
-                   l.triangles, l.bytes, bits_per(l.bytes, l.vertices), errors, l.make_seconds);
+    fmt::format_to(std::back_inserter(out), "{:>5} {:>8} {:>11} {:>11} {:>12} {:>8.2f} {:>30} {:>9.2f}\n", name,
+                   l.tiles, l.vertices, l.triangles, l.bytes, bits_per(l.bytes, l.vertices), errors, l.make_seconds);
   };
   for (const simplify::LevelSummary& l : report.levels) {
-    line(std::to_string(l.level), l, fmt::format("{:>11.5g} {:>11.5g} {:>6.3f}", l.bound_m, l.error_m, l.error_m / l.bound_m));
+    line(std::to_string(l.level), l,
+         fmt::format("{:>11.5g} {:>11.5g} {:>6.3f}", l.bound_m, l.error_m, l.error_m / l.bound_m));
   }
   const simplify::LevelSummary total = total_of(report);
   line("all", total, "");
   fmt::format_to(std::back_inserter(out),
-                 "{} samples in {:.1f} s ({:.2f} M samples/s on {} threads: read {:.1f}, make {:.1f}, measure {:.1f}), peak memory {:.0f} MiB\n",
-                 report.samples, report.seconds, static_cast<double>(report.samples) / report.seconds / 1e6, report.threads,
-                 report.read_seconds, report.make_seconds, report.measure_seconds, static_cast<double>(peak_rss_bytes()) / (1 << 20));
+                 "{} samples in {:.1f} s ({:.2f} M samples/s on {} threads: read {:.1f}, make {:.1f}, measure {:.1f}), "
+                 "peak memory {:.0f} MiB\n",
+                 report.samples, report.seconds, static_cast<double>(report.samples) / report.seconds / 1e6,
+                 report.threads, report.read_seconds, report.make_seconds, report.measure_seconds,
+                 static_cast<double>(peak_rss_bytes()) / (1 << 20));
   fmt::format_to(std::back_inserter(out), "{}: {} bytes, {:.4f} bits per sample (payloads {:.4f})\ndigest {}\n", output,
                  report.file_bytes, bits_per(report.file_bytes, report.samples), bits_per(total.bytes, report.samples),
                  report.manifest.digest);

@@ -10,7 +10,8 @@ namespace {
 
 std::string clock_text(double seconds) {
   const auto s = static_cast<long>(seconds + 0.5);
-  return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60) : fmt::format("{}:{:02}", s / 60, s % 60);
+  return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+                   : fmt::format("{}:{:02}", s / 60, s % 60);
 }
 
 }  // namespace
@@ -42,7 +43,8 @@ void Progress::draw(std::uint64_t done, std::uint64_t total, Clock::time_point n
   const std::string rest = done == 0      ? std::string()
                            : done < total ? ", " + clock_text(spent * (1 - share) / share) + " left"
                                           : ", took " + clock_text(spent);
-  fmt::print(stderr, "{}{}: {} of {} ({:.0f} %){}", line_open_ ? "\r\033[K" : "", step_, done, total, 100 * share, rest);
+  fmt::print(stderr, "{}{}: {} of {} ({:.0f} %){}", line_open_ ? "\r\033[K" : "", step_, done, total, 100 * share,
+             rest);
   std::fflush(stderr);
   line_open_ = true;
 }

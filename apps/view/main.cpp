@@ -34,7 +34,8 @@ int main(int argc, char** argv) {
   app.add_option("TREE", line.tree, "The .tintree file")->required();
   app.add_option("--pixel-error", line.pixel_error, "Largest error on the screen, pixels")->capture_default_str();
   app.add_option("--size", line.size, "WIDTHxHEIGHT of the picture or window, pixels (1280x720)");
-  app.add_option("--headless", line.headless, "Draw one picture without a window: egl (graphics card) or osmesa (software)");
+  app.add_option("--headless", line.headless,
+                 "Draw one picture without a window: egl (graphics card) or osmesa (software)");
   app.add_option("--screenshot", line.screenshot, "Write a PNG once all its tiles are there, and end");
   app.add_option("--eye", line.eye, "X,Y,Z of the eye: metres east, north and up of the DEM's upper-left sample");
   app.add_option("--target", line.target, "X,Y,Z of the picture's middle");

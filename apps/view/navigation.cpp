@@ -31,7 +31,8 @@ render::Camera orbit(render::Camera camera, double dx_px, double dy_px) {
   const glm::dvec3 right = camera.axes().right;
   // The eye stands opposite to the level direction ahead, which also holds when it looks straight down.
   const double azimuth = std::atan2(right.y, right.x) - dx_px * turn;
-  const double elevation = std::clamp(std::asin(std::clamp(away.z / reach, -1.0, 1.0)) + dy_px * turn, kLowest, kHighest);
+  const double elevation =
+      std::clamp(std::asin(std::clamp(away.z / reach, -1.0, 1.0)) + dy_px * turn, kLowest, kHighest);
   const glm::dvec3 ahead(-std::sin(azimuth), std::cos(azimuth), 0);
   camera.eye = camera.target + reach * (glm::dvec3(0, 0, std::sin(elevation)) - std::cos(elevation) * ahead);
   return camera;

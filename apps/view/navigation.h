@@ -8,7 +8,7 @@ namespace tintree::view {
 
 /// How far a camera may go; metres.
 struct NavigationLimits {
-  double nearest_m = 1;    ///< Between eye and target.
+  double nearest_m = 1;  ///< Between eye and target.
   double farthest_m = 1e7;
 };
 

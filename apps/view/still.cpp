@@ -25,7 +25,8 @@ struct Figures {
 };
 
 nlohmann::ordered_json to_json(const Figures& f, const render::Camera& camera, const ViewOptions& options,
-                               const cache::TileStore& store, const cache::TileCache::Stats& cache, const std::string& renderer) {
+                               const cache::TileStore& store, const cache::TileCache::Stats& cache,
+                               const std::string& renderer) {
   return {
       {"tree", store.path()},
       {"digest", store.manifest().digest},
@@ -83,9 +84,11 @@ Expected<void> draw_still(const render::GlFunctions& gl, const cache::TileStore&
     if (auto written = app::write_json(options.json, json); !written) return written;
   }
   if (!options.quiet) {
-    fmt::print("{}{}x{} pixels, {} tiles, {} triangles, largest error {:.2f} pixels, loaded in {:.2f} s, drawn in {:.2f} s\n",
-               options.screenshot.empty() ? "" : options.screenshot + ": ", camera->width_px, camera->height_px,
-               figures.drawn.tiles, figures.drawn.triangles, figures.cut.max_error_px, figures.load_seconds, figures.frame_seconds);
+    fmt::print(
+        "{}{}x{} pixels, {} tiles, {} triangles, largest error {:.2f} pixels, loaded in {:.2f} s, drawn in {:.2f} s\n",
+        options.screenshot.empty() ? "" : options.screenshot + ": ", camera->width_px, camera->height_px,
+        figures.drawn.tiles, figures.drawn.triangles, figures.cut.max_error_px, figures.load_seconds,
+        figures.frame_seconds);
   }
   return {};
 }

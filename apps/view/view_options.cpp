@@ -32,7 +32,8 @@ bool take(std::string_view& text, char c) {
 Expected<std::optional<glm::dvec3>> read_point(std::string_view text, const char* option) {
   if (text.empty()) return std::nullopt;
   glm::dvec3 p(0);
-  const bool read = take_number(text, p.x) && take(text, ',') && take_number(text, p.y) && take(text, ',') && take_number(text, p.z);
+  const bool read =
+      take_number(text, p.x) && take(text, ',') && take_number(text, p.y) && take(text, ',') && take_number(text, p.z);
   if (!read || !text.empty() || !std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
     return fail(ErrorCode::kUsage, "wants three numbers in metres, X,Y,Z, as in 1000,-2500.5,1800", option);
   }
@@ -41,7 +42,8 @@ Expected<std::optional<glm::dvec3>> read_point(std::string_view text, const char
 
 Expected<void> read_size(std::string_view text, ViewOptions& out) {
   if (text.empty()) return {};
-  const bool read = take_number(text, out.width_px) && take(text, 'x') && take_number(text, out.height_px) && text.empty();
+  const bool read =
+      take_number(text, out.width_px) && take(text, 'x') && take_number(text, out.height_px) && text.empty();
   const auto sane = [](int v) { return v >= 1 && v <= kMostPixels; };
   if (!read || !sane(out.width_px) || !sane(out.height_px)) {
     return fail(ErrorCode::kUsage, "wants WIDTHxHEIGHT in pixels, 1 to 16384 each, as in 1280x720", "--size");

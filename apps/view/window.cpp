@@ -29,7 +29,8 @@ class GlfwWindow {
  public:
   static Expected<std::unique_ptr<GlfwWindow>> create(int width, int height, const std::string& title, bool visible) {
     if (glfwInit() == GLFW_FALSE) {
-      return fail(ErrorCode::kIo, "there is no display to open a window on; use --headless osmesa --screenshot FILE.png");
+      return fail(ErrorCode::kIo,
+                  "there is no display to open a window on; use --headless osmesa --screenshot FILE.png");
     }
     std::unique_ptr<GlfwWindow> out(new GlfwWindow);
     for (const auto& [major, minor] : {std::pair(4, 5), std::pair(3, 3)}) {
@@ -144,21 +145,29 @@ class Viewer {
 
   /// The drag that begins turns or moves about what is in the middle of the picture.
   void anchor_to_ground() {
-    if (const auto depth = depth_at(0.5 * camera_.width_px, 0.5 * camera_.height_px)) camera_ = anchor(camera_, *depth, limits_);
+    if (const auto depth = depth_at(0.5 * camera_.width_px, 0.5 * camera_.height_px))
+      camera_ = anchor(camera_, *depth, limits_);
   }
 
   void on_key(int key, int action) {
     if (action != GLFW_PRESS) return;
     switch (key) {
-      case GLFW_KEY_ESCAPE: glfwSetWindowShouldClose(window_, GLFW_TRUE); break;
+      case GLFW_KEY_ESCAPE:
+        glfwSetWindowShouldClose(window_, GLFW_TRUE);
+        break;
       case GLFW_KEY_R:
-      case GLFW_KEY_HOME: move_to(home_); break;
+      case GLFW_KEY_HOME:
+        move_to(home_);
+        break;
       case GLFW_KEY_F:
         style_.wireframe = !style_.wireframe;
         stale_ = true;
         break;
-      case GLFW_KEY_F12: save_picture(); break;
-      default: break;
+      case GLFW_KEY_F12:
+        save_picture();
+        break;
+      default:
+        break;
     }
   }
 
@@ -177,7 +186,8 @@ class Viewer {
     int width = 0;
     int height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
-    if (width <= 0 || height <= 0 || (target_ && target_->width_px() == width && target_->height_px() == height)) return {};
+    if (width <= 0 || height <= 0 || (target_ && target_->width_px() == width && target_->height_px() == height))
+      return {};
     auto target = render::OffscreenTarget::create(gl_, width, height, kSamples);
     if (!target) return tl::unexpected(target.error());
     target_.reset();
@@ -202,14 +212,15 @@ class Viewer {
   }
 
   bool any_ready(const render::LodCut& cut) {
-    return std::ranges::any_of(cut.requests, [this](const codec::TileId& id) { return scene_.cache().get(id) != nullptr; });
+    return std::ranges::any_of(cut.requests,
+                               [this](const codec::TileId& id) { return scene_.cache().get(id) != nullptr; });
   }
 
   void show_figures(const render::LodCut& cut, const render::DrawStats& drawn, double seconds) {
-    const std::string title =
-        fmt::format("{} - {} triangles, {} tiles, {:.2f} px, {:.0f} ms{}", std::filesystem::path(options_.tree).filename().string(),
-                    drawn.triangles, drawn.tiles, cut.max_error_px, 1e3 * seconds,
-                    cut.complete ? "" : fmt::format(", {} tiles to come", cut.requests.size()));
+    const std::string title = fmt::format("{} - {} triangles, {} tiles, {:.2f} px, {:.0f} ms{}",
+                                          std::filesystem::path(options_.tree).filename().string(), drawn.triangles,
+                                          drawn.tiles, cut.max_error_px, 1e3 * seconds,
+                                          cut.complete ? "" : fmt::format(", {} tiles to come", cut.requests.size()));
     glfwSetWindowTitle(window_, title.c_str());
   }
 
@@ -241,7 +252,8 @@ class Viewer {
 
 }  // namespace
 
-Expected<void> run_window(const cache::TileStore& store, const ViewOptions& options, std::chrono::steady_clock::time_point begun) {
+Expected<void> run_window(const cache::TileStore& store, const ViewOptions& options,
+                          std::chrono::steady_clock::time_point begun) {
   const bool still = !options.screenshot.empty();
   const auto window = GlfwWindow::create(options.width_px, options.height_px, options.tree, !still);
   if (!window) return tl::unexpected(window.error());

@@ -12,6 +12,7 @@ namespace tintree::view {
 /// one to pan, wheel to zoom to the cursor, WASD or arrows to move, R or Home for the first view, F to see
 /// the triangles, F12 for a picture, Esc to quit. With options.screenshot it writes that picture instead and
 /// shows nothing. Fails with kIo when there is no display.
-Expected<void> run_window(const cache::TileStore& store, const ViewOptions& options, std::chrono::steady_clock::time_point begun);
+Expected<void> run_window(const cache::TileStore& store, const ViewOptions& options,
+                          std::chrono::steady_clock::time_point begun);
 
 }  // namespace tintree::view

@@ -6,6 +6,7 @@ in float rise;
 
 uniform vec3 to_sun;           // unit vector
 uniform float relief;          // metres from the lowest ground to the highest: the range of the tint
+uniform float haze_begin;      // metres from the eye
 uniform float haze_per_metre;
 
 out vec4 color;
@@ -16,8 +17,8 @@ vec3 to_srgb(vec3 linear) { return pow(clamp(linear, 0.0, 1.0), vec3(1.0 / 2.2))
 const int kStops = 7;
 const float kAt[kStops] = float[](0.0, 0.14, 0.30, 0.48, 0.66, 0.84, 1.0);
 const vec3 kTint[kStops] = vec3[](
-    vec3(0.36, 0.49, 0.38), vec3(0.52, 0.60, 0.42), vec3(0.73, 0.71, 0.51), vec3(0.74, 0.63, 0.47),
-    vec3(0.62, 0.53, 0.46), vec3(0.75, 0.74, 0.74), vec3(0.97, 0.98, 0.99));
+    vec3(0.30, 0.46, 0.33), vec3(0.44, 0.56, 0.36), vec3(0.68, 0.67, 0.44), vec3(0.72, 0.58, 0.41),
+    vec3(0.58, 0.47, 0.40), vec3(0.74, 0.73, 0.73), vec3(0.98, 0.99, 1.00));
 
 vec3 hypsometric(float t) {
   vec3 tint = to_linear(kTint[0]);
@@ -35,12 +36,12 @@ void main() {
   // Little grows on steep ground.
   albedo = mix(to_linear(vec3(0.52, 0.47, 0.43)), albedo, smoothstep(0.45, 0.85, abs(n.z)));
 
-  const vec3 kSun = vec3(1.22, 1.14, 1.00);
-  const vec3 kSky = vec3(0.25, 0.30, 0.38);
-  const vec3 kGround = vec3(0.10, 0.09, 0.08);
+  const vec3 kSun = vec3(1.45, 1.36, 1.20);
+  const vec3 kSky = vec3(0.17, 0.21, 0.28);
+  const vec3 kGround = vec3(0.08, 0.07, 0.06);
   vec3 light = kSun * max(dot(n, to_sun), 0.0) + mix(kGround, kSky, 0.5 + 0.5 * n.z);
   vec3 lit = albedo * light;
 
-  float haze = 1.0 - exp(-haze_per_metre * length(from_eye));
+  float haze = 1.0 - exp(-haze_per_metre * max(length(from_eye) - haze_begin, 0.0));
   color = vec4(to_srgb(mix(lit, to_linear(vec3(0.76, 0.83, 0.90)), haze)), 1.0);
 }

@@ -1,10 +1,8 @@
-#include <unistd.h>
-
-#include <cstdlib>
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <numbers>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -55,10 +53,8 @@ TEST_F(ViewProgram, WritesAPictureAndItsFigures) {
   EXPECT_FALSE(std::filesystem::exists(png + ".tmp"));
 }
 
-TEST_F(ViewProgram, DrawsThroughEglWhereThereIsOneTheSamePicture) {
-  const auto osmesa = view({tree_, "--headless", "osmesa", "--screenshot", dir_.file("a.png"), "--quiet"});
+TEST_F(ViewProgram, DrawsThroughEglWhereThereIsOne) {
   const auto egl = view({tree_, "--headless", "egl", "--screenshot", dir_.file("b.png"), "--quiet"});
-  ASSERT_EQ(osmesa.exit_code, 0) << osmesa.all();
   if (egl.exit_code == 4) GTEST_SKIP() << egl.err;
   ASSERT_EQ(egl.exit_code, 0) << egl.all();
   EXPECT_TRUE(std::filesystem::exists(dir_.file("b.png")));
@@ -66,8 +62,8 @@ TEST_F(ViewProgram, DrawsThroughEglWhereThereIsOneTheSamePicture) {
 
 TEST_F(ViewProgram, TakesAnEyeAndATarget) {
   const std::string json = dir_.file("figures.json");
-  const auto r = view({tree_, "--headless", "osmesa", "--eye", "-100.5,-2000,900", "--target", "640,-640,0", "--pixel-error", "0",
-                       "--json", json, "--quiet"});
+  const auto r = view({tree_, "--headless", "osmesa", "--eye", "-100.5,-2000,900", "--target", "640,-640,0",
+                       "--pixel-error", "0", "--json", json, "--quiet"});
   ASSERT_EQ(r.exit_code, 0) << r.all();
   EXPECT_EQ(r.all(), "");
   const auto figures = nlohmann::json::parse(test::read_file(json));
@@ -78,10 +74,18 @@ TEST_F(ViewProgram, TakesAnEyeAndATarget) {
 
 TEST_F(ViewProgram, SaysWhatIsWrongWithTheCommandLine) {
   const std::vector<std::string> base{tree_, "--headless", "osmesa"};
-  for (const auto& [option, value] : std::vector<std::pair<std::string, std::string>>{
-           {"--size", "0x5"}, {"--size", "640"}, {"--size", "640x480x2"}, {"--size", "axb"}, {"--size", "99999x10"},
-           {"--eye", "1,2"}, {"--eye", "1,2,x"}, {"--target", "1,2,3,4"}, {"--target", "nan,0,0"}, {"--pixel-error", "-1"},
-           {"--pixel-error", "many"}, {"--headless", "glx"}}) {
+  for (const auto& [option, value] : std::vector<std::pair<std::string, std::string>>{{"--size", "0x5"},
+                                                                                      {"--size", "640"},
+                                                                                      {"--size", "640x480x2"},
+                                                                                      {"--size", "axb"},
+                                                                                      {"--size", "99999x10"},
+                                                                                      {"--eye", "1,2"},
+                                                                                      {"--eye", "1,2,x"},
+                                                                                      {"--target", "1,2,3,4"},
+                                                                                      {"--target", "nan,0,0"},
+                                                                                      {"--pixel-error", "-1"},
+                                                                                      {"--pixel-error", "many"},
+                                                                                      {"--headless", "glx"}}) {
     std::vector<std::string> arguments = option == "--headless" ? std::vector<std::string>{tree_} : base;
     arguments.insert(arguments.end(), {option, value});
     expect_failure(view(arguments), 2, option);

@@ -34,7 +34,8 @@ class TileCacheTest : public testing::Test {
   void damage(const TileId& id) const {
     sqlite3* db = nullptr;
     ASSERT_EQ(sqlite3_open(path_.c_str(), &db), SQLITE_OK);
-    const std::string sql = "UPDATE tile SET payload = zeroblob(length(payload)) WHERE key = " + std::to_string(id.key());
+    const std::string sql =
+        "UPDATE tile SET payload = zeroblob(length(payload)) WHERE key = " + std::to_string(id.key());
     EXPECT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
     sqlite3_close(db);
   }
@@ -154,12 +155,13 @@ TEST(DrawableTile, NormalsAreThoseOfThePlane) {
 
 TEST(DrawableTile, SkirtHangsOnEverySideThatHasANeighbour) {
   const test::AnalyticTree tree;  // 4 x 4 leaves of 32 cells.
-  for (const auto& [id, sides] : {std::pair(TileId{2, 0, 0}, 2), std::pair(TileId{2, 1, 2}, 4), std::pair(TileId{2, 3, 1}, 3),
-                                 std::pair(TileId{0, 0, 0}, 0)}) {
+  for (const auto& [id, sides] : {std::pair(TileId{2, 0, 0}, 2), std::pair(TileId{2, 1, 2}, 4),
+                                  std::pair(TileId{2, 3, 1}, 3), std::pair(TileId{0, 0, 0}, 0)}) {
     const codec::TileMesh mesh = tree.mesh(id);
     const DrawableTile tile = make_drawable(tree.layout(), id, mesh);
     EXPECT_EQ(tile.indices.size() / 3 - tile.surface_triangles, static_cast<std::size_t>(sides) * 32 * 2) << id.text();
-    for (std::size_t i = 0; i < tile.vertices.size(); ++i) EXPECT_EQ(tile.vertices[i].skirt != 0, i >= mesh.vertices.size());
+    for (std::size_t i = 0; i < tile.vertices.size(); ++i)
+      EXPECT_EQ(tile.vertices[i].skirt != 0, i >= mesh.vertices.size());
     for (const std::uint32_t i : tile.indices) EXPECT_LT(i, tile.vertices.size());
   }
 }
@@ -169,7 +171,9 @@ TEST(DrawableTile, SkirtSharesPlaceAndNormalWithItsBorder) {
   const TileId id{1, 0, 0};
   const DrawableTile tile = make_drawable(tree.layout(), id, tree.mesh(id));
   std::set<std::tuple<float, float, int, int, int>> surface;
-  const auto place = [](const DrawVertex& v) { return std::tuple(v.x, v.y, int{v.z}, int{v.normal_x}, int{v.normal_y}); };
+  const auto place = [](const DrawVertex& v) {
+    return std::tuple(v.x, v.y, int{v.z}, int{v.normal_x}, int{v.normal_y});
+  };
   for (const DrawVertex& v : tile.vertices) {
     if (v.skirt == 0) surface.insert(place(v));
   }

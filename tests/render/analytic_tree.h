@@ -94,8 +94,9 @@ struct AnalyticTree {
         const double u = static_cast<double>(x - x0) / static_cast<double>(x1 - x0);
         const double v = static_cast<double>(y - y0) / static_cast<double>(y1 - y0);
         const auto at = [&](std::int64_t i, std::int64_t j) { return static_cast<double>(steps(i, j)); };
-        const double z = u + v <= 1 ? at(x0, y0) + u * (at(x1, y0) - at(x0, y0)) + v * (at(x0, y1) - at(x0, y0))
-                                    : at(x1, y1) + (1 - u) * (at(x0, y1) - at(x1, y1)) + (1 - v) * (at(x1, y0) - at(x1, y1));
+        const double z = u + v <= 1
+                             ? at(x0, y0) + u * (at(x1, y0) - at(x0, y0)) + v * (at(x0, y1) - at(x0, y0))
+                             : at(x1, y1) + (1 - u) * (at(x0, y1) - at(x1, y1)) + (1 - v) * (at(x1, y0) - at(x1, y1));
         worst = std::max(worst, std::abs(z - at(x, y)) * 0.0625);
       }
     }

@@ -65,10 +65,10 @@ TEST(Camera, VerticalGainBoundsEveryShiftOnTheScreen) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> in(0, 1);
   for (int i = 0; i < 20000; ++i) {
-    const double pitch = (in(random) - 0.5) * std::numbers::pi;
+    const double pitch = (in(random)-0.5) * std::numbers::pi;
     Camera camera = looking({5, 6, 7}, {5 + std::cos(pitch), 6, 7 + std::sin(pitch)});
     camera.fov_y_rad = 0.2 + in(random);
-    const glm::dvec2 pixel(in(random) * camera.width_px, in(random) * camera.height_px);
+    const glm::dvec2 pixel(in(random)*camera.width_px, in(random)*camera.height_px);
     const double depth = 10 + 1000 * in(random);
     const glm::dvec3 p = camera.eye + depth * camera.ray(pixel.x, pixel.y);
     const double shift_m = 1e-4;  // Small, so that the depth stays what it was.
@@ -82,7 +82,8 @@ TEST(Camera, OverviewShowsEveryPointAndFillsTheFrame) {
   std::uniform_real_distribution<double> in(-1, 1);
   for (const double height : {10.0, 3000.0}) {
     std::vector<glm::dvec3> points;
-    for (int i = 0; i < 200; ++i) points.emplace_back(5e4 + 4e4 * in(random), -3e4 + 2e4 * in(random), height * in(random));
+    for (int i = 0; i < 200; ++i)
+      points.emplace_back(5e4 + 4e4 * in(random), -3e4 + 2e4 * in(random), height * in(random));
     const Camera camera = overview(points, std::numbers::pi, 0.7, 800, 600, 0.02);
     double least_margin = 1;
     for (const glm::dvec3& p : points) {

@@ -29,7 +29,7 @@ TEST(Frustum, IsConservative) {
     const Frustum frustum(camera);
     cache::Box box;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      box.min[axis] = 200 * in(random) - 50;
+      box.min[axis] = 200 * in(random)-50;
       box.max[axis] = box.min[axis] + 60 * in(random);
     }
     const bool outside = frustum.outside(box);

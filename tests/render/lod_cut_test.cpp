@@ -86,7 +86,9 @@ TEST_F(LodCutTest, IsTheCoarsestSuchCut) {
     for (const DrawTile& d : lod_cut(bounds_, c, {1}, kAll).draws) {
       if (id(d).level == 0) continue;
       const cache::TileNode& parent = bounds_.nodes()[static_cast<std::size_t>(bounds_.find(id(d).parent()))];
-      EXPECT_GT(projected_error_px(static_cast<double>(parent.lod_error_m), frustum.nearest_depth_m(bounds_.box(parent)), c), 1);
+      EXPECT_GT(
+          projected_error_px(static_cast<double>(parent.lod_error_m), frustum.nearest_depth_m(bounds_.box(parent)), c),
+          1);
     }
   }
 }

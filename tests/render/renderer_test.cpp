@@ -209,7 +209,6 @@ TEST_F(RendererTest, ASkyStandsBehindTheGround) {
   const Picture p = picture(*s, c, *cut, {});
   const auto above = p.at(kWidth / 2, 5);
   EXPECT_GT(above[2], above[0]);
-  EXPECT_EQ(p.at(3, 5), p.at(3, 5));
   EXPECT_NE(p.at(kWidth / 2, kHeight - 10), above);
 }
 
@@ -226,13 +225,13 @@ TEST_F(RendererTest, PicturesDoNotChangeWithThePlaceInTheWorld) {
   const auto cut_a = a->settle(near_camera);
   ASSERT_TRUE(cut_a);
   const Picture first = picture(*a, near_camera, *cut_a, style);
-  const Camera far_camera = camera(near_camera.eye + glm::dvec3(0, 0, lift), near_camera.target + glm::dvec3(0, 0, lift));
-  auto b = std::unique_ptr<TerrainScene>();
+  const Camera far_camera =
+      camera(near_camera.eye + glm::dvec3(0, 0, lift), near_camera.target + glm::dvec3(0, 0, lift));
   std::optional<cache::TileStore> other;
   const std::string path = dir_.path() + "/lifted.tintree";
   far.write(path);
   other.emplace(std::move(*cache::TileStore::open(path)));
-  b = std::move(*TerrainScene::create(gl_, *other, {}));
+  const auto b = std::move(*TerrainScene::create(gl_, *other, {}));
   const auto cut_b = b->settle(far_camera);
   ASSERT_TRUE(cut_b);
   const Picture second = picture(*b, far_camera, *cut_b, style);

@@ -26,7 +26,9 @@ std::array<double, 3> weights(const std::array<Point, 3>& t, double column, doub
 /// Collects the difference between mesh and surface at single points.
 struct Gauge {
   const HeightGrid& grid;
-  codec::CellRect cells;
+  std::int64_t column0;
+  std::int64_t row0;
+  std::int64_t across;
   NaiveFigures& figures;
 
   void at(double column, double row, double height) const {
@@ -54,15 +56,15 @@ struct Gauge {
     }
   }
 
-  /// A vertex, or an edge with what lies on it, that lies on a side of the tile.
+  /// A vertex, or an edge with what lies on it, that lies on a side of the tile's full square.
   void side(const Point& a, const Point& b) const {
     for (const int axis : {0, 1}) {
       const auto k = static_cast<std::size_t>(axis);
-      const auto low = static_cast<double>(axis == 0 ? cells.column0 : cells.row0);
-      const auto high = static_cast<double>(axis == 0 ? cells.column1 : cells.row1);
+      const auto low = static_cast<double>(axis == 0 ? column0 : row0);
+      const double high = low + static_cast<double>(across);
       if (a[k] != b[k] || (a[k] != low && a[k] != high)) continue;
       NaiveFigures on_side;
-      const Gauge gauge{grid, cells, on_side};
+      const Gauge gauge{grid, column0, row0, across, on_side};
       gauge.at(a[0], a[1], a[2]);
       gauge.at(b[0], b[1], b[2]);
       gauge.along(a, b);
@@ -91,7 +93,7 @@ NaiveFigures naive_figures(const HeightGrid& grid, const codec::TreeLayout& layo
                            const codec::TileMesh& mesh) {
   const codec::GridFrame frame(layout, id, mesh);
   NaiveFigures figures;
-  const Gauge gauge{grid, layout.cells(id), figures};
+  const Gauge gauge{grid, frame.column0, frame.row0, layout.cells_across(id.level), figures};
   figures.z_min_m = std::numeric_limits<double>::infinity();
   figures.z_max_m = -figures.z_min_m;
   for (const codec::GridVertex& v : mesh.vertices) {

@@ -15,7 +15,7 @@ struct NaiveFigures {
   double z_max_m = 0;
   double error_m = 0;
   double rms_m = 0;           ///< Over the samples of the tile that the mesh covers, each once.
-  double border_error_m = 0;  ///< Along the sides of the tile's cells.
+  double border_error_m = 0;  ///< Along the sides of the tile's full square.
 };
 
 NaiveFigures naive_figures(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id,

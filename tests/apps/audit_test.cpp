@@ -1,0 +1,296 @@
+/// The audit as a program: good trees pass, and every kind of damage is found and named.
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sqlite3.h>
+
+#include "tests/support/naive_measure.h"
+#include "tests/support/regular_tree.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temp_dir.h"
+#include "tests/support/test_raster.h"
+
+namespace tintree::test {
+namespace {
+
+using nlohmann::json;
+
+double holed_hills(int c, int r) {
+  const bool hole = (c > 20 && c < 26 && r > 9 && r < 18) || (c == 31 && r == 32) || (c == 33 && r == 33);
+  return hole ? kMissing : hills(c, r);
+}
+
+class AuditTest : public testing::Test {
+ protected:
+  AuditTest() : dem_(dir_.file("dem.tif")), path_(dir_.file("tree.tintree")) {
+    write_raster(dem_, {.columns = 50, .rows = 41, .dx = 10, .dy = 10}, [](int c, int r) { return hills(c, r); });
+    tree_ = make_regular_tree(dem_, {.tile_cells = 16});
+  }
+
+  ProgramResult audit(std::vector<std::string> more = {"--hausdorff-tiles", "0"}) const {
+    more.insert(more.begin(), {path_, "--dem", dem_, "--quiet"});
+    return run_program(TINTREE_AUDIT, more);
+  }
+
+  /// Writes the tree and expects the audit to fail, naming the tile and saying `what`.
+  void expect_found(const codec::TileId& id, const std::string& what) {
+    write_tree(path_, tree_);
+    expect_found_in_file(id, what);
+  }
+  void expect_found_in_file(const codec::TileId& id, const std::string& what) const {
+    const std::string report = dir_.file("report.json");
+    const ProgramResult r = audit({"--hausdorff-tiles", "0", "--json", report});
+    EXPECT_EQ(r.exit_code, 1) << r.all();
+    EXPECT_NE(r.out.find("FAIL: "), std::string::npos) << r.out;
+    EXPECT_NE(r.err.find("tile " + id.text()), std::string::npos) << r.err;
+    const json found = json::parse(read_file(report));
+    EXPECT_GT(found.at("violations").get<int>(), 0);
+    EXPECT_EQ(found.at("worst_tile"), id.text());
+    bool named = false;
+    for (const json& v : found.at("violation_list"))
+      named = named || (v.at("kind") == what && v.at("tile") == id.text());
+    EXPECT_TRUE(named) << what << " not in " << found.at("violation_list").dump(1);
+  }
+
+  /// Fills in the figures that the tile's mesh, as it is now, really has.
+  void measure_again(const codec::TileId& id) {
+    const NaiveFigures f = naive_figures(read_grid(dem_), tree_.manifest.layout, id, tree_.mesh(id));
+    cache::TileInfo& info = tree_.tile(id).info;
+    info.error_m = f.error_m;
+    info.rms_m = f.rms_m;
+    info.border_error_m = f.border_error_m;
+    info.z_min_m = f.z_min_m;
+    info.z_max_m = f.z_max_m;
+  }
+
+  /// An inner vertex of the tile, moved up.
+  void raise_vertex(const codec::TileId& id, double by_m) {
+    codec::TileMesh mesh = tree_.mesh(id);
+    const auto inner =
+        std::ranges::find_if(mesh.vertices, [](const codec::GridVertex& v) { return v.x == 8 && v.y == 8; });
+    ASSERT_NE(inner, mesh.vertices.end());
+    const double step = tree_.manifest.layout.z_step_m[static_cast<std::size_t>(id.level)];
+    inner->z += static_cast<std::int32_t>(std::ceil(by_m / step));
+    tree_.set_mesh(id, mesh);
+  }
+
+  TempDir dir_;
+  std::string dem_;
+  std::string path_;
+  TestTree tree_;
+};
+
+TEST_F(AuditTest, PassesAGoodTree) {
+  write_tree(path_, tree_);
+  const std::string report = dir_.file("report.json");
+  const ProgramResult r = run_program(TINTREE_AUDIT, {path_, "--dem", dem_, "--json", report});
+  EXPECT_EQ(r.exit_code, 0) << r.all();
+  EXPECT_NE(r.out.find("PASS: "), std::string::npos) << r.out;
+  const json found = json::parse(read_file(report));
+  EXPECT_EQ(found.at("violations"), 0);
+  EXPECT_TRUE(found.at("worst_tile").is_null());
+  EXPECT_GT(found.at("samples_per_second").get<double>(), 0);
+  EXPECT_GT(found.at("peak_rss_bytes").get<std::uint64_t>(), 0U);
+  ASSERT_EQ(found.at("levels").size(), 3U);
+  for (std::size_t l = 0; l < 3; ++l) {
+    const json& level = found.at("levels")[l];
+    EXPECT_EQ(level.at("level"), l);
+    EXPECT_EQ(level.at("bound_m"), tree_.manifest.layout.bound_m(static_cast<int>(l)));
+    double largest = 0;
+    std::uint64_t triangles = 0;
+    for (const cache::StoredTile& t : tree_.tiles) {
+      if (t.info.id.level != static_cast<int>(l)) continue;
+      largest = std::max(largest, t.info.error_m);
+      triangles += t.info.triangles;
+    }
+    EXPECT_NEAR(level.at("vertical_max_m").get<double>(), largest, 1e-9);
+    EXPECT_EQ(level.at("triangles"), triangles);
+  }
+  // CGAL agrees: never beyond the vertical maximum but for its own error.
+  EXPECT_GE(found.at("hausdorff").size(), 3U);
+  for (const json& h : found.at("hausdorff")) {
+    EXPECT_LE(h.at("hausdorff_m").get<double>(),
+              h.at("vertical_max_m").get<double>() + h.at("error_bound_m").get<double>());
+  }
+}
+
+TEST_F(AuditTest, PassesTreesWithHolesFractionsAndOneTile) {
+  write_raster(dem_, {.columns = 50, .rows = 41}, holed_hills);
+  for (const int tile_cells : {8, 16, 64}) {
+    for (const int shift : {0, -3}) {
+      write_tree(path_, make_regular_tree(dem_, {.tile_cells = tile_cells, .xy_shift = shift}));
+      const ProgramResult r = audit();
+      EXPECT_EQ(r.exit_code, 0) << r.all();
+    }
+  }
+}
+
+TEST_F(AuditTest, PassesATreeThatLacksEmptyTiles) {
+  write_raster(dem_, {.columns = 50, .rows = 41},
+               [](int c, int r) { return c > 14 && r < 34 ? kMissing : hills(c, r); });
+  tree_ = make_regular_tree(dem_, {.tile_cells = 8});
+  std::size_t whole = 0;
+  for (int level = 0; level <= tree_.manifest.layout.leaf_level; ++level) {
+    whole += std::size_t{tree_.manifest.layout.tiles_x(level)} * tree_.manifest.layout.tiles_y(level);
+  }
+  ASSERT_LT(tree_.tiles.size(), whole);
+  write_tree(path_, tree_);
+  EXPECT_EQ(audit().exit_code, 0);
+}
+
+TEST_F(AuditTest, GivesTheSameReportWithOneThreadAndMany) {
+  write_tree(path_, tree_);
+  std::vector<json> found;
+  for (const char* threads : {"1", "4"}) {
+    const std::string report = dir_.file("report.json");
+    EXPECT_EQ(audit({"--threads", threads, "--json", report}).exit_code, 0);
+    json j = json::parse(read_file(report));
+    for (const char* key : {"seconds", "samples_per_second", "peak_rss_bytes"}) j.erase(key);
+    for (json& level : j.at("levels")) level.erase("seconds");
+    found.push_back(j);
+  }
+  EXPECT_EQ(found[0], found[1]);
+}
+
+TEST_F(AuditTest, FindsAVertexMovedBeyondTheBound) {
+  const codec::TileId id{2, 1, 1};
+  raise_vertex(id, 1.01 * tree_.manifest.layout.bound_m(2) + tree_.tile(id).info.error_m);
+  expect_found(id, "bound");
+  // Even if the tile owns up to it.
+  measure_again(id);
+  expect_found(id, "bound");
+}
+
+TEST_F(AuditTest, FindsAWrongStoredError) {
+  const codec::TileId id{1, 0, 1};
+  for (double cache::TileInfo::*figure : {&cache::TileInfo::error_m, &cache::TileInfo::border_error_m,
+                                          &cache::TileInfo::rms_m, &cache::TileInfo::z_min_m}) {
+    const cache::TileInfo before = tree_.tile(id).info;
+    tree_.tile(id).info.*figure -= 0.01;
+    expect_found(id, "stored_figure");
+    tree_.tile(id).info = before;
+  }
+  ++tree_.tile(id).info.triangles;
+  expect_found(id, "stored_figure");
+}
+
+TEST_F(AuditTest, FindsADroppedTriangle) {
+  const codec::TileId id{2, 0, 2};
+  codec::TileMesh mesh = tree_.mesh(id);
+  mesh.triangles.erase(mesh.triangles.begin() + 77);
+  tree_.set_mesh(id, mesh);
+  measure_again(id);
+  expect_found(id, "coverage");
+}
+
+TEST_F(AuditTest, FindsAShiftedBorderVertex) {
+  tree_ = make_regular_tree(dem_, {.tile_cells = 16, .leaf_error_m = 50});
+  const codec::TileId id{2, 1, 1};
+  codec::TileMesh mesh = tree_.mesh(id);
+  const auto at = std::ranges::find_if(mesh.vertices, [](const codec::GridVertex& v) { return v.x == 0 && v.y == 5; });
+  ASSERT_NE(at, mesh.vertices.end());
+  ++at->z;
+  tree_.set_mesh(id, mesh);
+  measure_again(id);
+  expect_found(id, "border");
+}
+
+TEST_F(AuditTest, FindsAFlippedByteInAPayload) {
+  write_tree(path_, tree_);
+  const codec::TileId id{1, 1, 0};
+  std::string file = read_file(path_);
+  const auto& payload = tree_.tile(id).payload;
+  // Where the payload lies contiguously: its first bytes may be on another page.
+  const std::string tail(reinterpret_cast<const char*>(payload.data()) + payload.size() - 40, 40);
+  const std::size_t at = file.find(tail);
+  ASSERT_NE(at, std::string::npos);
+  file[at + 20] = static_cast<char>(file[at + 20] ^ 0x10);
+  write_file(path_, file);
+  expect_found_in_file(id, "file");
+}
+
+TEST_F(AuditTest, FindsAMissingTile) {
+  const codec::TileId id{2, 3, 1};
+  // Left out from the start.
+  TestTree whole = tree_;
+  std::erase_if(tree_.tiles, [&](const cache::StoredTile& t) { return t.info.id == id; });
+  expect_found(id, "missing_tile");
+  // Removed from the file afterwards.
+  write_tree(path_, whole);
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open(path_.c_str(), &db), SQLITE_OK);
+  const std::string sql = "DELETE FROM tile WHERE key = " + std::to_string(id.key());
+  ASSERT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(db);
+  expect_found_in_file(id, "file");
+}
+
+TEST_F(AuditTest, FindsATileWhereTheDemHasNoSurface) {
+  // The tree is of a DEM that had surface everywhere.
+  write_raster(dem_, {.columns = 50, .rows = 41, .dx = 10, .dy = 10},
+               [](int c, int r) { return c > 31 ? kMissing : hills(c, r); });
+  write_tree(path_, tree_);
+  const std::string report = dir_.file("report.json");
+  EXPECT_EQ(audit({"--hausdorff-tiles", "0", "--json", report}).exit_code, 1);
+  EXPECT_NE(read_file(report).find("extra_tile"), std::string::npos);
+}
+
+TEST_F(AuditTest, RefusesAnotherDem) {
+  write_tree(path_, tree_);
+  const auto expect_refused = [this](const RasterSpec& spec, const std::string& what) {
+    write_raster(dem_, spec, [](int c, int r) { return hills(c, r); });
+    const ProgramResult refused = audit();
+    EXPECT_EQ(refused.exit_code, 3);
+    EXPECT_NE(refused.err.find(what), std::string::npos) << refused.err;
+    EXPECT_EQ(refused.out, "");
+  };
+  expect_refused({.columns = 51, .rows = 41, .dx = 10, .dy = 10}, "51 x 41");
+  expect_refused({.columns = 50, .rows = 41, .dx = 20, .dy = 10}, "20 x 10 m");
+}
+
+TEST_F(AuditTest, RefusesFilesItCannotUse) {
+  EXPECT_EQ(audit().exit_code, 4);  // no tree
+  write_file(path_, "this is no tree at all, but long enough to look at");
+  EXPECT_EQ(audit().exit_code, 3);
+  write_tree(path_, tree_);
+  const std::string whole = read_file(path_);
+  write_file(path_, whole.substr(0, whole.size() / 2 - 7));
+  const ProgramResult cut = audit();
+  EXPECT_EQ(cut.exit_code, 3) << cut.all();
+  EXPECT_NE(cut.err.find(path_), std::string::npos) << cut.err;
+  write_file(path_, whole);
+  EXPECT_EQ(run_program(TINTREE_AUDIT, {path_, "--dem", dir_.file("nowhere.tif")}).exit_code, 4);
+  EXPECT_EQ(run_program(TINTREE_AUDIT, {path_, "--dem", path_}).exit_code, 3);
+}
+
+TEST_F(AuditTest, RefusesANewerFormat) {
+  write_tree(path_, tree_);
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open(path_.c_str(), &db), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(db, "PRAGMA user_version = 2", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(db);
+  const ProgramResult r = audit();
+  EXPECT_EQ(r.exit_code, 3);
+  EXPECT_NE(r.err.find("newer"), std::string::npos) << r.err;
+}
+
+TEST_F(AuditTest, RefusesUnknownOptions) {
+  EXPECT_EQ(audit({"--sideways"}).exit_code, 2);
+  EXPECT_EQ(audit({"--report", dir_.path()}).exit_code, 2);
+  EXPECT_EQ(audit({"--threads", "-1"}).exit_code, 2);
+  EXPECT_EQ(run_program(TINTREE_AUDIT, {path_}).exit_code, 2);
+}
+
+TEST_F(AuditTest, SaysWhenTheReportCannotBeWritten) {
+  write_tree(path_, tree_);
+  const ProgramResult r = audit({"--hausdorff-tiles", "0", "--json", dir_.file("no/such/folder.json")});
+  EXPECT_EQ(r.exit_code, 4);
+  EXPECT_NE(r.err.find("folder.json"), std::string::npos) << r.err;
+}
+
+}  // namespace
+}  // namespace tintree::test

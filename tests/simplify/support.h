@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "codec/grid_frame.h"
+#include "codec/tile_id.h"
+#include "codec/tile_mesh.h"
+#include "simplify/reference_surface.h"
+#include "tests/support/test_raster.h"
+
+namespace tintree::test {
+
+/// A made-up DEM: the surface as the code under test sees it, and the same heights in a plain array.
+struct Terrain {
+  HeightGrid grid;
+  std::unique_ptr<simplify::ReferenceSurface> surface;
+};
+
+/// Heights are rounded to 1/64 m, so that they pass through 32-bit storage unchanged.
+Terrain make_terrain(int columns, int rows, const HeightFunction& height);
+Terrain read_terrain(const std::string& path);
+
+/// A hash of the arguments, uniform in [0, 1).
+double noise(int column, int row, unsigned seed = 0);
+
+/// Hills of `relief` metres with noise of `roughness` metres, and each sample missing with chance `holes`.
+HeightFunction rough_hills(double relief, double roughness, double holes, unsigned seed = 0);
+
+/// A shape that a simplifier may stumble over.
+struct Shape {
+  std::string name;
+  int columns;
+  int rows;
+  HeightFunction height;
+};
+
+/// Flat and steep, smooth and noisy, whole and full of holes, square and odd: see the source.
+const std::vector<Shape>& adversarial_shapes();
+
+/// A layout for a terrain with spacing 1 and the height steps that a build would choose.
+codec::TreeLayout make_layout(const Terrain& terrain, int tile_cells, double leaf_error_m);
+
+/// Every tile of the layout, whether or not it holds surface.
+std::vector<codec::TileId> tiles_of(const codec::TreeLayout& layout);
+
+/// One corner of a triangle: column, row, height.
+using Corner = std::array<double, 3>;
+
+/// What the overlay of a mesh with the reference surface shows. Every triangle of the mesh is clipped
+/// against every half cell of the surface that it reaches; on each piece both are planar, so the pieces'
+/// corners have the largest difference, and their areas tell what is covered.
+struct Overlay {
+  double max_m = 0;         ///< Largest vertical distance.
+  double border_max_m = 0;  ///< The same along the sides of the tile's full square.
+  double rms_m = 0;         ///< Over the samples that the mesh covers.
+  std::uint64_t samples = 0;
+  /// Largest error in the coverage of a half cell of the square, in cells: what the surface has must be covered once
+  /// and what it lacks not at all. Touching along a side is not covering.
+  double coverage_error = 0;
+};
+
+Overlay overlay(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh);
+
+/// Everything that a tile promises, checked by brute force: valid addresses, positive triangles, manifold
+/// edges, exact coverage, vertical distance within the bound, a codec that keeps it.
+void expect_sound_tile(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh);
+
+/// Half cells of the reference surface in a rectangle.
+std::int64_t half_cells(const HeightGrid& grid, const codec::CellRect& cells);
+
+}  // namespace tintree::test
