@@ -40,6 +40,7 @@ class HeightBlocks {
   HeightBlocks(const HeightBlocks&) = delete;
   HeightBlocks& operator=(const HeightBlocks&) = delete;
 
+  const RasterSource& source() const { return *source_; }
   std::int64_t columns() const { return columns_; }
   std::int64_t rows() const { return rows_; }
   std::int64_t blocks_x() const { return blocks_x_; }

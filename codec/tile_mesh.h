@@ -9,7 +9,7 @@
 namespace tintree::codec {
 
 /// A vertex on its tile's grid. `x` counts address steps eastward and `y` southward from the tile's
-/// north-west corner, `z` counts height steps upward from the tile's height origin (0 to 2^24 - 1).
+/// north-west corner, `z` counts height steps upward from the tile's height origin (0 to 2^22 - 1).
 struct GridVertex {
   std::int32_t x = 0;
   std::int32_t y = 0;
@@ -33,13 +33,13 @@ struct TileMesh {
 /// Limits of the format; readers refuse what exceeds them before they allocate for it.
 inline constexpr int kMinXyShift = -3;
 inline constexpr int kMaxXyShift = 29;
-inline constexpr std::int32_t kMaxHeightAddress = (1 << 24) - 1;
+inline constexpr std::int32_t kMaxHeightAddress = (1 << 22) - 1;
 inline constexpr std::int64_t kMaxHeightOffset = std::int64_t{1} << 52;  ///< Either way.
 inline constexpr std::size_t kMaxTileVertices = std::size_t{1} << 26;
 inline constexpr std::size_t kMaxTileTriangles = std::size_t{1} << 27;
 
 /// Checks every index and address of `mesh` for a tile that spans `cells` DEM cells a side: indices
-/// exist, x and y lie inside the tile, z in 0..2^24 - 1, z_offset within the limit, every triangle has positive area
+/// exist, x and y lie inside the tile, z in 0..2^22 - 1, z_offset within the limit, every triangle has positive area
 /// seen from above. What decoded bytes must pass before anything else touches them.
 Expected<void> validate(const TileMesh& mesh, std::int64_t cells);
 

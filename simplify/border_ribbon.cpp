@@ -72,7 +72,8 @@ bool may_flip(SurfaceView& view, std::int64_t column, std::int64_t row, double b
   const double se = view.sample(column + 1, row + 1);
   // A missing sample makes the difference NaN and the answer no; snap() must not see it.
   if (std::isnan(nw + ne + sw + se)) return false;
-  return std::abs((heights.snapped_m(ne) + heights.snapped_m(sw)) / 2 - (nw + se) / 2) <= bound_m;
+  const double tested = tested_bound_m(view.surface(), {column, row, column + 1, row + 1}, bound_m);
+  return std::abs((heights.snapped_m(ne) + heights.snapped_m(sw)) / 2 - (nw + se) / 2) <= tested;
 }
 
 void BorderRibbon::build(SurfaceView& view, const Side& side, double bound_m, const HeightLattice& heights) {
@@ -156,9 +157,12 @@ std::vector<RibbonStep> BorderRibbon::settle(SurfaceView& view, const Side& side
                                              const HeightLattice& heights) {
   build(view, side, bound_m, heights);
   CollapseSpec spec;
-  spec.bound_m = bound_m;
+  const std::int64_t across = side.southward ? 0 : side.cells;
+  const std::int64_t down = side.southward ? side.cells : 0;
+  spec.bound_m =
+      tested_bound_m(view.surface(), {side.column, side.row, side.column + across, side.row + down}, bound_m);
   spec.line = side.southward ? CollapseSpec::Line::kX : CollapseSpec::Line::kY;
-  spec.line_bound_m = bound_m / 2;
+  spec.line_bound_m = spec.bound_m / 2;
   spec.z_step_m = heights.step_m;
   std::vector<CollapseStep> log;
   // The collapse merges line vertices by their place in mesh order; what a tile needs is the sample and the

@@ -27,7 +27,8 @@ struct RibbonStep {
 };
 
 /// Whether the cell with its north-west sample at (column, row) may have its diagonal flipped from the
-/// surface's own to the other one, at snapped heights: it has all its samples, and the flip stays in bound.
+/// surface's own to the other one, at snapped heights: it has all its samples, and the flip stays within the
+/// level's `bound_m`, less the guard.
 bool may_flip(SurfaceView& view, std::int64_t column, std::int64_t row, double bound_m, const HeightLattice& heights);
 
 /// Settles the vertices on the sides of tiles, as a pure function of the samples near each side: both
@@ -38,7 +39,8 @@ bool may_flip(SurfaceView& view, std::int64_t column, std::int64_t row, double b
 /// side's length. Not thread-safe; reuses its memory.
 class BorderRibbon {
  public:
-  /// Steps in the order in which they were made. `bound_m` has its guard taken off.
+  /// Steps in the order in which they were made. `bound_m` is the level's; the guard taken off it depends on the
+  /// side alone, never on the tile that asks.
   std::vector<RibbonStep> settle(SurfaceView& view, const Side& side, double bound_m, const HeightLattice& heights);
 
  private:

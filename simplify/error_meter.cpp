@@ -46,8 +46,9 @@ MeasuredMesh::MeasuredMesh(const codec::TreeLayout& layout, const codec::TileId&
   for (const codec::GridVertex& v : mesh.vertices) {
     const double column = frame.column(v.x);
     const double row = frame.row(v.y);
-    const bool side = column == west || row == north || column == west + across || row == north + across;
-    vertices.push_back({column, row, frame.height_m(v.z), side});
+    const int sides = (column == west ? 1 : 0) + (row == north ? 2 : 0) + (column == west + across ? 4 : 0) +
+                      (row == north + across ? 8 : 0);
+    vertices.push_back({column, row, frame.height_m(v.z), static_cast<std::uint8_t>(sides)});
   }
 }
 
@@ -55,12 +56,7 @@ void ErrorMeter::set_window(const codec::CellRect& window) {
   window_ = window;
   width_ = window.column1 - window.column0 + 1;
   height_ = window.row1 - window.row0 + 1;
-  surface_.resize(static_cast<std::size_t>(width_ * height_));
-  for (std::int64_t j = 0; j < height_; ++j) {
-    for (std::int64_t i = 0; i < width_; ++i) {
-      surface_[static_cast<std::size_t>(j * width_ + i)] = view_->sample(window.column0 + i, window.row0 + j);
-    }
-  }
+  view_->read_exact(window, surface_);
 }
 
 MeasuredError ErrorMeter::measure(const MeasuredMesh& mesh, std::span<const std::uint32_t> which) {
@@ -72,7 +68,7 @@ MeasuredError ErrorMeter::measure(const MeasuredMesh& mesh, std::span<const std:
     for (std::size_t e = 0; e < 3; ++e) {
       const MeasuredMesh::Vertex& a = mesh.vertices[t[e]];
       const MeasuredMesh::Vertex& b = mesh.vertices[t[(e + 1) % 3]];
-      const bool border = a.on_side && b.on_side && (a.column == b.column || a.row == b.row);
+      const bool border = (a.sides & b.sides) != 0;
       check_vertex(a, out);
       cross_edge(a, b, border, out);
     }
@@ -227,7 +223,7 @@ void ErrorMeter::check_vertex(const MeasuredMesh::Vertex& v, MeasuredError& out)
   if (x < 0 || y < 0 || x > static_cast<double>(width_ - 1) || y > static_cast<double>(height_ - 1)) return;
   const double gap = std::abs(v.height_m - surface_at(x, y));
   if (gap > out.max_m) out.max_m = gap;
-  if (v.on_side && gap > out.border_max_m) out.border_max_m = gap;
+  if (v.sides != 0 && gap > out.border_max_m) out.border_max_m = gap;
 }
 
 }  // namespace tintree::simplify

@@ -27,7 +27,7 @@ struct MeasuredMesh {
     double column;
     double row;
     double height_m;
-    bool on_side;  ///< Lies on one of the tile's sides.
+    std::uint8_t sides;  ///< Bits 0 to 3: lies on the tile's west, north, east, south side.
   };
 
   MeasuredMesh(const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh);

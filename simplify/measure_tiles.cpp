@@ -111,20 +111,30 @@ std::optional<MeasuredMesh> Pass::load(const TileId& id) {
 }
 
 void Pass::visit(const TileId& id, const std::vector<Layer>& layers, Task& task, ErrorMeter& meter) {
-  if (halt_ || !present(id)) return;
-  const auto mesh = load(id);
-  if (!mesh) return;
   const codec::TreeLayout& layout = manifest_->layout;
   const codec::CellRect cells = layout.cells(id);
+  if (halt_ || cells.empty()) return;
   std::vector<Layer> here;
-  for (const Layer& layer : layers) here.push_back(narrowed(layer, cells));
-  here.push_back(whole(*mesh, task.within[id.key()]));
+  for (const Layer& layer : layers) {
+    Layer part = narrowed(layer, cells);
+    if (!part.which.empty()) here.push_back(std::move(part));
+  }
+  // Where the surface ends on its north or west side, a square without a tile still owns samples of the levels above.
+  const bool has_tile = present(id);
+  if (!has_tile && here.empty()) return;
+  std::optional<MeasuredMesh> mesh;
+  if (has_tile) {
+    mesh = load(id);
+    if (!mesh) return;
+    here.push_back(whole(*mesh, task.within[id.key()]));
+  }
   if (id.level < layout.leaf_level) {
     for (int q = 0; q < 4; ++q) visit(id.child(q), here, task, meter);
     return;
   }
   meter.set_window(cells);
   for (const Layer& layer : here) *layer.error += meter.measure(*layer.mesh, layer.which);
+  if (!has_tile) return;
   const std::scoped_lock lock(turn_);
   if (!(*progress_)("measuring", ++leaves_done_, leaves_)) halt_ = true;
 }
@@ -137,7 +147,8 @@ void Pass::run_task(Task& task) {
   TileId id = task.root;
   while (id.level > 0) {
     id = id.parent();
-    layers.push_back(whole(shared_.at(id.key()), task.above[static_cast<std::size_t>(id.level)]));
+    const auto mesh = shared_.find(id.key());
+    if (mesh != shared_.end()) layers.push_back(whole(mesh->second, task.above[static_cast<std::size_t>(id.level)]));
   }
   visit(task.root, layers, task, meter);
   if (view.error()) stop_with(*view.error());
@@ -153,12 +164,14 @@ Expected<void> Pass::run() {
   for (const std::int64_t key : keys_) {
     const TileId id = TileId::from_key(key);
     if (id.level == leaf_level) ++leaves_;
-    if (id.level == split) tasks.push_back({id, {}, {}});
     if (id.level < split) {
       auto mesh = load(id);
       if (!mesh) return tl::unexpected(*error_);
       shared_.emplace(key, std::move(*mesh));
     }
+  }
+  for (std::uint32_t y = 0; y < manifest_->layout.tiles_y(split); ++y) {
+    for (std::uint32_t x = 0; x < manifest_->layout.tiles_x(split); ++x) tasks.push_back({{split, x, y}, {}, {}});
   }
   tbb::parallel_for_each(tasks, [this](Task& task) { run_task(task); });
   if (error_) return tl::unexpected(*error_);
@@ -168,7 +181,7 @@ Expected<void> Pass::run() {
     TileId id = task.root;
     while (id.level > 0) {
       id = id.parent();
-      results_[id.key()] += task.above[static_cast<std::size_t>(id.level)];
+      if (shared_.contains(id.key())) results_[id.key()] += task.above[static_cast<std::size_t>(id.level)];
     }
   }
   return {};

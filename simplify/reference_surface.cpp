@@ -117,6 +117,19 @@ std::array<double, 2> range_of(const HeightBlock& block, std::uint64_t& valid) {
   return {low + block.base_m, high + block.base_m};
 }
 
+bool holds_triangle(const HeightBlock& block) {
+  if (block.all_valid) return true;
+  for (int j = 0; j < cache::kBlockCells; ++j) {
+    const float* north = block.row(j);
+    const float* south = block.row(j + 1);
+    for (int i = 0; i < cache::kBlockCells; ++i) {
+      const bool diagonal = !std::isnan(north[i]) && !std::isnan(south[i + 1]);
+      if (diagonal && !(std::isnan(north[i + 1]) && std::isnan(south[i]))) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 BlockPatches make_patches(const HeightBlock& block) {
@@ -142,6 +155,7 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
   out->ranges_.resize(total);
   std::vector<XXH128_hash_t> hashes(total);
   std::vector<std::uint64_t> valid(total);
+  std::vector<char> surface(total);
   std::uint64_t done = 0;
   bool stopped = false;
   tbb::task_group tasks;
@@ -151,6 +165,7 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
         tasks.run([&, at, block] {
           out->patches_[at] = make_patches(*block);
           out->ranges_[at] = range_of(*block, valid[at]);
+          surface[at] = holds_triangle(*block) ? 1 : 0;
           hashes[at] = XXH3_128bits_withSeed(block->heights.data(), block->heights.size() * sizeof(float),
                                              static_cast<XXH64_hash_t>(static_cast<std::int64_t>(block->base_m)));
         });
@@ -161,8 +176,9 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
       });
   tasks.wait();
   if (!streamed) return tl::unexpected(streamed.error());
-  if (stopped) return fail(ErrorCode::kStopped, "stopped while reading the DEM");
+  if (stopped) return fail(ErrorCode::kStopped, "stopped while reading the DEM, before any tile was made");
   for (const std::uint64_t v : valid) out->valid_samples_ += v;
+  out->has_surface_ = std::ranges::find(surface, 1) != surface.end();
   const XXH128_hash_t all = XXH3_128bits(hashes.data(), hashes.size() * sizeof(XXH128_hash_t));
   out->digest_ = fmt::format("{:016x}{:016x}", all.high64, all.low64);
   return out;
@@ -192,6 +208,15 @@ double SurfaceView::sample(std::int64_t column, std::int64_t row) {
   const auto i = static_cast<int>(column - (cell_x & ~std::int64_t{255}));
   const auto j = static_cast<int>(row - (cell_y & ~std::int64_t{255}));
   return static_cast<double>(block.row(j)[i]) + block.base_m;
+}
+
+void SurfaceView::read_exact(const codec::CellRect& window, std::vector<double>& heights_m) {
+  const std::int64_t width = window.column1 - window.column0 + 1;
+  const std::int64_t height = window.row1 - window.row0 + 1;
+  heights_m.assign(static_cast<std::size_t>(width * height), std::numeric_limits<double>::quiet_NaN());
+  if (error_) return;
+  auto read = surface_->blocks().source().read(window.column0, window.row0, width, height, heights_m.data());
+  if (!read) error_ = read.error();
 }
 
 const HeightBlock& SurfaceView::fetch(std::int64_t bx, std::int64_t by) {

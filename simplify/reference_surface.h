@@ -65,6 +65,8 @@ class ReferenceSurface {
   }
   /// Samples that exist.
   std::uint64_t valid_samples() const { return valid_samples_; }
+  /// Whether any triangle exists: three samples of one cell with heights.
+  bool has_surface() const { return has_surface_; }
   /// XXH3-128 over all samples, in hexadecimal.
   const std::string& digest() const { return digest_; }
   /// Lowest and highest sample of a rectangle of cells, widened to whole blocks; {+inf, -inf} when none.
@@ -75,6 +77,7 @@ class ReferenceSurface {
   std::vector<BlockPatches> patches_;
   std::vector<std::array<double, 2>> ranges_;
   std::uint64_t valid_samples_ = 0;
+  bool has_surface_ = false;
   std::string digest_;
 };
 
@@ -94,6 +97,8 @@ class SurfaceView {
   }
   /// Height of a sample in metres, NaN when it is missing or outside the DEM.
   double sample(std::int64_t column, std::int64_t row);
+  /// Heights of a window as the DEM has them, in double (RasterSource::read); block heights are rounded to float.
+  void read_exact(const codec::CellRect& window, std::vector<double>& heights_m);
   const std::optional<Error>& error() const { return error_; }
 
  private:

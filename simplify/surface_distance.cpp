@@ -12,8 +12,10 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Coordinates this near to a grid line are on it.
 constexpr double kSnap = 1e-9;
-/// Below this weight the hub cannot move a point measurably: it lies on the old outer edge.
+/// Below this weight the hub cannot move a point measurably: it lies on the old outer edge or hard by it.
 constexpr float kMinWeight = 1e-6F;
+/// Smaller triangles (in cells) have no sample off the outer edge whose weight is that low.
+constexpr double kAreaOfLightSamples = 1e5;
 /// Triangles and spokes longer than this are settled square by square.
 constexpr std::int64_t kLarge = 24;
 
@@ -39,6 +41,7 @@ struct RowSteps {
   float weight;
   float plane;
   float bound;
+  bool light = false;  // there may be samples hard by the outer edge
 };
 
 /// Intersects [lo, hi] with the hub heights that each sample of the rows allows.
@@ -63,6 +66,11 @@ TINTREE_CLONES void clip_spans(const RowSpan* spans, int count, const RowSteps& 
       const LaneMask lowers = counts & (high < best_hi);
       best_lo = raises ? low : best_lo;
       best_hi = lowers ? high : best_hi;
+      if (steps.light) {
+        const LaneMask beyond =
+            (at < n) & (weight <= kMinWeight) & ((residual > steps.bound) | (residual < -steps.bound));
+        best_lo = beyond ? best_hi + 1 : best_lo;
+      }
     }
   }
   for (int i = 0; i < kLanes; ++i) {
@@ -94,6 +102,7 @@ TINTREE_CLONES bool span_within(const RowSpan& span, const RowSteps& steps) {
 struct SurfaceDistance::Plane {
   double z0, zx, zy;  // height at (0, 0), its slopes
   double w0, wx, wy;  // weight at (0, 0), its slopes
+  double area;        // in cells
   std::array<Point, 3> corner;
   // The triangle's part of row y runs from max(left[k] + y left_slope[k]) to min(right[k] + y right_slope[k]).
   std::array<double, 2> left{-kInfinity, -kInfinity};
@@ -113,6 +122,7 @@ struct SurfaceDistance::Plane {
     zy = wy * (hub.z - c.z) + uy * (b.z - c.z);
     z0 = c.z + w0 * (hub.z - c.z) + u0 * (b.z - c.z);
     const bool mirrored = scale < 0;
+    area = std::abs(0.5 / scale);
     std::size_t lefts = 0;
     std::size_t rights = 0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -161,6 +171,14 @@ struct SurfaceDistance::Plane {
 };
 
 double guard_m(double range_m, double bound_m) { return range_m * 0x1p-22 + bound_m * 1e-6; }
+
+double tested_bound_m(const ReferenceSurface& surface, const codec::CellRect& cells, double bound_m) {
+  const cache::HeightBlocks& blocks = surface.blocks();
+  const auto range = surface.height_range_m(
+      {std::max<std::int64_t>(cells.column0 - 1, 0), std::max<std::int64_t>(cells.row0 - 1, 0),
+       std::min(cells.column1 + 1, blocks.columns() - 1), std::min(cells.row1 + 1, blocks.rows() - 1)});
+  return bound_m - guard_m(std::max(range[1] - range[0], 0.0), bound_m);
+}
 
 /// Consecutive samples of one row: pointer to the first, how many the block holds from there on, and the
 /// block's base height.
@@ -312,7 +330,8 @@ void SurfaceDistance::clip_rows(const Plane& plane, std::int64_t x0, std::int64_
                                 double bound_m, HeightInterval& interval) {
   constexpr int kBatch = 32;
   std::array<RowSpan, kBatch> spans;
-  const RowSteps steps{static_cast<float>(plane.wx), static_cast<float>(plane.zx), static_cast<float>(bound_m)};
+  const RowSteps steps{static_cast<float>(plane.wx), static_cast<float>(plane.zx), static_cast<float>(bound_m),
+                       plane.area > kAreaOfLightSamples};
   auto lo = static_cast<float>(interval.lo);
   auto hi = static_cast<float>(interval.hi);
   int count = 0;

@@ -84,8 +84,12 @@ class SurfaceDistance {
   std::int64_t row0_;
 };
 
-/// How much a bound has to be lowered for tests in float to hold exactly, over heights that span
-/// `range_m` around their blocks' bases and are compared with `bound_m`.
+/// How much a bound has to be lowered for tests in float to hold exactly, over heights that span `range_m`.
 double guard_m(double range_m, double bound_m);
+
+/// `bound_m` less the guard for everything that is tested over `cells`. Neighbouring blocks hold their common
+/// samples twice, each relative to its own base, so the heights next to the cells count too. A function of the
+/// place alone: whoever tests there gets the same.
+double tested_bound_m(const ReferenceSurface& surface, const codec::CellRect& cells, double bound_m);
 
 }  // namespace tintree::simplify

@@ -28,22 +28,22 @@ Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
   const double bound = layout_.bound_m(id.level);
   const auto range = view_.surface().height_range_m(layout_.cells(id));
   if (range[0] > range[1]) return codec::TileMesh{};
-  const double tested = bound - guard_m(range[1] - range[0], bound);
+  const double tested = tested_bound_m(view_.surface(), layout_.cells(id), bound);
 
   SurfaceDistance distance(view_, column0, row0);
   const std::int64_t last = cells - 1;
-  const CornerFlips flips{may_flip(view_, column0 + last, row0, tested, heights),
-                          may_flip(view_, column0, row0 + last, tested, heights)};
+  const CornerFlips flips{may_flip(view_, column0 + last, row0, bound, heights),
+                          may_flip(view_, column0, row0 + last, bound, heights)};
   StartMesh start = right_triangle_mesh(distance, view_, column0, row0, cells, tested, heights, flips);
   for (LatticeVertex& v : start.vertices) {
     v.x <<= kSubBits;
     v.y <<= kSubBits;
   }
   mesh_.build(std::move(start.vertices), start.triangles);
-  settle_side(start, 0, {column0, row0, cells, false}, tested, heights);
-  settle_side(start, 1, {column0, row0 + cells, cells, false}, tested, heights);
-  settle_side(start, 2, {column0, row0, cells, true}, tested, heights);
-  settle_side(start, 3, {column0 + cells, row0, cells, true}, tested, heights);
+  settle_side(start, 0, {column0, row0, cells, false}, bound, heights);
+  settle_side(start, 1, {column0, row0 + cells, cells, false}, bound, heights);
+  settle_side(start, 2, {column0, row0, cells, true}, bound, heights);
+  settle_side(start, 3, {column0 + cells, row0, cells, true}, bound, heights);
   classify(cells << kSubBits);
 
   CollapseSpec spec;

@@ -85,23 +85,31 @@ MadeTile make_one(TileMaker& maker, const codec::MeshCodec& codec, const cache::
 
 Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout) {
   std::vector<double> steps;
+  double worst = 1;
+  double worst_relief = 0;
+  int worst_level = 0;
   for (int level = 0; level <= layout.leaf_level; ++level) {
     const double bound = layout.bound_m(level);
     // A vertex may lie off the samples by the bound.
     const double relief = largest_relief(surface, layout, level) + 2 * bound;
-    double step = bound / kStepsPerBound;
-    while (relief / step > codec::kMaxHeightAddress && step < bound) step *= 2;
+    const double step = bound / kStepsPerBound;
     const auto range = surface.height_range_m(layout.cells({0, 0, 0}));
     const double farthest = std::max(std::abs(range[0]), std::abs(range[1]));
     const double needed = std::max(relief / step / codec::kMaxHeightAddress, farthest / step / kMaxSteps);
-    if (needed > 1) {
-      return fail(ErrorCode::kBadData,
-                  fmt::format("heights differ by up to {:.6g} m within a tile of level {}, too much for the format at "
-                              "an error of {:.6g} m; "
-                              "choose --error {:.3g} or more, or mark wrong samples as nodata",
-                              relief, level, layout.leaf_error_m, 1.1 * layout.leaf_error_m * needed));
+    if (needed > worst) {
+      worst = needed;
+      worst_relief = relief;
+      worst_level = level;
     }
     steps.push_back(step);
+  }
+  if (worst > 1) {
+    return fail(
+        ErrorCode::kBadData,
+        fmt::format(
+            "heights differ by up to {:.6g} m within a tile of level {}, too much for the format at an error of "
+            "{:.6g} m; choose --error {:.3g} or more, or mark wrong samples as nodata",
+            worst_relief, worst_level, layout.leaf_error_m, 1.1 * layout.leaf_error_m * worst));
   }
   return steps;
 }

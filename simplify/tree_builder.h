@@ -28,9 +28,8 @@ struct LevelSummary {
   double make_seconds = 0;  ///< Spent by all threads together in this run.
 };
 
-/// The height steps of every level: a quarter of its bound, doubled where a tile's relief would not fit the
-/// format's 24 bits. Fails with kBadData when even a step of the whole bound is too fine; says what error
-/// would do.
+/// The height steps of every level: a quarter of its bound. Fails with kBadData when some tile's relief is too
+/// large for the format at that step; says what error would do.
 Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout);
 
 /// Makes all tiles that `writer` lacks, in depth-first Z-order, children before their parent, over all threads

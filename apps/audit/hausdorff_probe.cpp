@@ -13,6 +13,9 @@ namespace {
 
 /// CGAL's error bound as a share of the vertical maximum.
 constexpr double kErrorShare = 0.05;
+/// And at least as a share of the window's side: CGAL cuts parallel surfaces into pieces of this size.
+constexpr double kSideShare = 1.0 / 500;
+constexpr std::int64_t kFewestCells = 8;
 constexpr int kTries = 4;
 
 /// Keeps the part of a convex polygon where `axis` times `sign` is at least `limit` times `sign`.
@@ -84,16 +87,22 @@ void to_metres(TriangleSoup& soup, const codec::TreeLayout& layout) {
   }
 }
 
-codec::CellRect choose_window(const codec::CellRect& tile, std::mt19937_64& random) {
-  const auto place = [&random](std::int64_t cells) {
-    const std::int64_t room = std::max<std::int64_t>(cells - kProbeCells, 0);
+/// Cells along a window's side: as many as let CGAL resolve the level's bound.
+std::int64_t probe_cells(const codec::TreeLayout& layout, int level) {
+  const double cells = static_cast<double>(kProbeCells) * layout.bound_m(level) / std::max(layout.dx_m, layout.dy_m);
+  return static_cast<std::int64_t>(std::clamp<double>(cells, kFewestCells, kProbeCells));
+}
+
+codec::CellRect choose_window(const codec::CellRect& tile, std::int64_t side, std::mt19937_64& random) {
+  const auto place = [&random, side](std::int64_t cells) {
+    const std::int64_t room = std::max<std::int64_t>(cells - side, 0);
     return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(room + 1));
   };
   const std::int64_t width = tile.column1 - tile.column0;
   const std::int64_t height = tile.row1 - tile.row0;
   const std::int64_t c = place(width);
   const std::int64_t r = place(height);
-  return {c, r, std::min(c + kProbeCells, width), std::min(r + kProbeCells, height)};
+  return {c, r, std::min(c + side, width), std::min(r + side, height)};
 }
 
 /// The exact vertical maximum over the window: all parts of the mesh are offered, those in it count.
@@ -110,7 +119,7 @@ double vertical_max(const TileSurface& s, const HeightWindow& window) {
         p.x >= w.column0 * s.units && p.x <= w.column1 * s.units && p.y >= w.row0 * s.units && p.y <= w.row1 * s.units;
     if (inside) corners.push_back(v);
   }
-  return VerticalMeasure().measure(s, window, {triangles, edges, corners}).overall.value_m;
+  return VerticalMeasure().measure(s, window, {triangles, edges, corners, true}).overall.value_m;
 }
 
 }  // namespace
@@ -124,8 +133,10 @@ Expected<std::optional<HausdorffReport>> probe_tile(const AuditContext& context,
   const TileSurface surface = place(layout, id, *mesh);
   std::mt19937_64 random(seed);
   HeightWindow window;
+  const std::int64_t side = probe_cells(layout, id.level);
+  const double side_m = static_cast<double>(side) * std::max(layout.dx_m, layout.dy_m);
   for (int attempt = 0; attempt < kTries; ++attempt) {
-    const codec::CellRect local = choose_window(surface.cells, random);
+    const codec::CellRect local = choose_window(surface.cells, side, random);
     if (auto read = window.read(context.source, surface.cells, local); !read) return tl::unexpected(read.error());
     TriangleSoup reference = reference_soup(window);
     TriangleSoup mine = mesh_soup(surface, local);
@@ -138,7 +149,7 @@ Expected<std::optional<HausdorffReport>> probe_tile(const AuditContext& context,
     report.cells = {surface.cells.column0 + local.column0, surface.cells.row0 + local.row0,
                     surface.cells.column0 + local.column1, surface.cells.row0 + local.row1};
     report.vertical_max_m = vertical_max(surface, window);
-    report.error_bound_m = std::max(kErrorShare * report.vertical_max_m, 1e-6 * std::min(layout.dx_m, layout.dy_m));
+    report.error_bound_m = std::max(kErrorShare * report.vertical_max_m, kSideShare * side_m);
     report.hausdorff_m = symmetric_hausdorff(mine, reference, report.error_bound_m);
     return report;
   }

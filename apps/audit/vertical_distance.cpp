@@ -210,8 +210,8 @@ void VerticalMeasure::compare_samples(const HeightWindow& window, VerticalDistan
 VerticalDistance VerticalMeasure::measure(const TileSurface& surface, const HeightWindow& window,
                                           const WindowParts& parts) {
   const codec::CellRect& w = window.cells();
-  own_columns_ = w.column1 - w.column0 + (w.column1 == window.tile_width() ? 1 : 0);
-  own_rows_ = w.row1 - w.row0 + (w.row1 == window.tile_height() ? 1 : 0);
+  own_columns_ = w.column1 - w.column0 + (parts.closed || w.column1 == window.tile_width() ? 1 : 0);
+  own_rows_ = w.row1 - w.row0 + (parts.closed || w.row1 == window.tile_height() ? 1 : 0);
   mesh_heights_.assign(static_cast<std::size_t>(own_columns_ * own_rows_), kNaN);
   for (const std::uint32_t t : parts.triangles) scan(surface, window, surface.triangles[t]);
   VerticalDistance out;

@@ -119,10 +119,12 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
                                                       cache_bytes / 8 * 7);
   auto surface = simplify::ReferenceSurface::scan(
       blocks, [&](std::uint64_t done, std::uint64_t total) { return progress("reading blocks", done, total); });
-  if (!surface) return tl::unexpected(with_remedy(surface.error(), options));
+  if (!surface) return tl::unexpected(surface.error());
   report.read_seconds = seconds_since(begun);
   if ((*surface)->valid_samples() == 0)
     return fail(ErrorCode::kBadData, "holds no heights: every sample is nodata", info.path);
+  if (!(*surface)->has_surface())
+    return fail(ErrorCode::kBadData, "holds no surface: nowhere do three samples of a cell have heights", info.path);
 
   auto manifest = plan_tree(options, info, **surface);
   if (!manifest) return tl::unexpected(manifest.error());

@@ -43,7 +43,9 @@ int main(int argc, char** argv) {
   app.add_option("--method", o.method, "How tiles are made")->check(CLI::IsMember({"tin"}))->capture_default_str();
   app.add_option("--tile", o.tile_cells, "DEM cells along a leaf's side, a power of two")->capture_default_str();
   app.add_option("--threads", o.threads, "Threads to use, 0 for all cores")->capture_default_str();
-  app.add_option("--memory", o.memory_mib, "Memory to stay within, MiB")->capture_default_str();
+  app.add_option("--memory", o.memory_mib, "Memory to stay within, MiB")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_flag("--resume", o.resume, "Go on with a build that was stopped");
   app.add_flag("--overwrite", o.overwrite, "Replace an existing tree or discard an unfinished one");
   app.add_option("--json", o.json, "Write the figures to this file too");

@@ -49,9 +49,9 @@ std::string summary_text(const BuildReport& report, const std::string& output) {
                  report.samples, report.seconds, static_cast<double>(report.samples) / report.seconds / 1e6,
                  report.threads, report.read_seconds, report.make_seconds, report.measure_seconds,
                  static_cast<double>(peak_rss_bytes()) / (1 << 20));
-  fmt::format_to(std::back_inserter(out), "{}: {} bytes, {:.4f} bits per sample (payloads {:.4f})\ndigest {}\n", output,
-                 report.file_bytes, bits_per(report.file_bytes, report.samples), bits_per(total.bytes, report.samples),
-                 report.manifest.digest);
+  fmt::format_to(std::back_inserter(out), "{}: {} bytes; {:.4f} bits per sample (whole file {:.4f})\ndigest {}\n",
+                 output, report.file_bytes, bits_per(total.bytes, report.samples),
+                 bits_per(report.file_bytes, report.samples), report.manifest.digest);
   return out;
 }
 
@@ -90,8 +90,8 @@ nlohmann::ordered_json summary_json(const BuildReport& report) {
           {"triangles", total.triangles},
           {"payload_bytes", total.bytes},
           {"bytes", report.file_bytes},
-          {"bits_per_sample", bits_per(report.file_bytes, report.samples)},
-          {"payload_bits_per_sample", bits_per(total.bytes, report.samples)},
+          {"bits_per_sample", bits_per(total.bytes, report.samples)},
+          {"file_bits_per_sample", bits_per(report.file_bytes, report.samples)},
           {"digest", report.manifest.digest},
           {"levels", levels}};
 }

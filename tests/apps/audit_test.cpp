@@ -129,6 +129,20 @@ TEST_F(AuditTest, PassesTreesWithHolesFractionsAndOneTile) {
   }
 }
 
+/// Surfaces that lie parallel, or upon each other, are the worst case of CGAL's subdivision.
+TEST_F(AuditTest, CgalCopesWithFlatGround) {
+  for (const double height : {10.0, 10.4}) {
+    write_raster(dem_, {.columns = 260, .rows = 260, .dx = 30, .dy = 30}, [height](int, int) { return height; });
+    write_tree(path_, make_regular_tree(dem_, {.tile_cells = 64, .leaf_error_m = 15, .z_step_m = 1}));
+    const std::string report = dir_.file("report.json");
+    const ProgramResult r = audit({"--json", report});
+    EXPECT_EQ(r.exit_code, 0) << r.all();
+    const json found = json::parse(read_file(report));
+    EXPECT_EQ(found.at("hausdorff").size(), 10U);
+    EXPECT_LT(found.at("seconds").get<double>(), 60);
+  }
+}
+
 TEST_F(AuditTest, PassesATreeThatLacksEmptyTiles) {
   write_raster(dem_, {.columns = 50, .rows = 41},
                [](int c, int r) { return c > 14 && r < 34 ? kMissing : hills(c, r); });

@@ -126,7 +126,8 @@ class OverlayMaker {
     return static_cast<std::size_t>((square_.column1 - square_.column0 + 1) * (square_.row1 - square_.row0 + 1));
   }
   std::size_t slot(std::int64_t i, std::int64_t j) const {
-    return static_cast<std::size_t>(2 * ((j - square_.row0) * (square_.column1 - square_.column0) + i - square_.column0));
+    return static_cast<std::size_t>(2 *
+                                    ((j - square_.row0) * (square_.column1 - square_.column0) + i - square_.column0));
   }
   void check_coverage(double area, bool exists) {
     out_.coverage_error = std::max(out_.coverage_error, std::abs(area - (exists ? 0.5 : 0.0)));
@@ -233,7 +234,9 @@ void expect_codec_keeps(const codec::TileMesh& mesh) {
 
 double spike(int c, int r) { return c == 77 && r == 70 ? 500 : 0; }
 double pit(int c, int r) { return c == 64 && r == 64 ? -500 : 0; }
-double islands(int c, int r) { return (c % 5 < 2 && r % 5 < 2 && !(c % 5 == 0 && r % 5 == 1)) ? hills(c, r) : kMissing; }
+double islands(int c, int r) {
+  return (c % 5 < 2 && r % 5 < 2 && !(c % 5 == 0 && r % 5 == 1)) ? hills(c, r) : kMissing;
+}
 
 Terrain terrain_of(std::shared_ptr<const cache::RasterSource> source) {
   Terrain out;
@@ -301,7 +304,10 @@ const std::vector<Shape>& adversarial_shapes() {
       {"holes_60", 129, 65, rough_hills(20, 1, 0.6)},
       {"flat_with_holes", 129, 130, [](int c, int r) { return noise(c / 3, r / 3, 5) < 0.2 ? kMissing : 1.0; }},
       {"islands", 129, 129, islands},
-      {"frame", 129, 129, [](int c, int r) { return std::min({c, r, 128 - c, 128 - r}) < 9 ? kMissing : hills(c, r); }},
+      {"frame", 129, 129,
+       [](int c, int r) {
+         return std::min({c, r, 128 - c, 128 - r}) < 9 ? kMissing : hills(c, r);
+       }},
       {"two_by_two", 2, 2, [](int c, int r) { return c + 5.0 * r; }},
       {"two_by_two_holed", 2, 2, [](int c, int r) { return c == 1 && r == 0 ? kMissing : 3.0 * c; }},
       {"ribbon", 1000, 7, rough_hills(20, 2, 0.01)},
@@ -333,7 +339,8 @@ std::vector<codec::TileId> tiles_of(const codec::TreeLayout& layout) {
   return out;
 }
 
-Overlay overlay(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh) {
+Overlay overlay(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id,
+                const codec::TileMesh& mesh) {
   const codec::GridFrame frame(layout, id, mesh);
   const std::int64_t across = layout.cells_across(id.level);
   OverlayMaker maker(grid, {frame.column0, frame.row0, frame.column0 + across, frame.row0 + across});
@@ -358,7 +365,8 @@ std::int64_t half_cells(const HeightGrid& grid, const codec::CellRect& cells) {
   return count;
 }
 
-void expect_sound_tile(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh) {
+void expect_sound_tile(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id,
+                       const codec::TileMesh& mesh) {
   SCOPED_TRACE("tile " + id.text());
   const std::int64_t halves = half_cells(grid, layout.cells(id));
   if (halves == 0) {

@@ -64,11 +64,13 @@ struct Overlay {
   double coverage_error = 0;
 };
 
-Overlay overlay(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh);
+Overlay overlay(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id,
+                const codec::TileMesh& mesh);
 
 /// Everything that a tile promises, checked by brute force: valid addresses, positive triangles, manifold
 /// edges, exact coverage, vertical distance within the bound, a codec that keeps it.
-void expect_sound_tile(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh);
+void expect_sound_tile(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id,
+                       const codec::TileMesh& mesh);
 
 /// Half cells of the reference surface in a rectangle.
 std::int64_t half_cells(const HeightGrid& grid, const codec::CellRect& cells);

@@ -120,6 +120,21 @@ TEST(VerticalDistance, LeavesMissingNeighboursOfBordersAlone) {
   }
 }
 
+/// The largest error lies on a sample of the window's far side, inside a mesh triangle.
+TEST(VerticalDistance, OfAClosedWindowHasItsFarSides) {
+  const RasterFixture dem({.columns = 9, .rows = 9}, [](int c, int r) { return c == 4 && r == 2 ? 50.0 : 0.0; });
+  const codec::TreeLayout layout = layout_of(dem, 8, 1);
+  const codec::TileMesh flat{0, 0, {{0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {8, 8, 0}}, {{0, 2, 3}, {0, 3, 1}}};
+  const audit::TileSurface surface = audit::place(layout, {0, 0, 0}, flat);
+  const audit::WindowBins bins(surface);
+  audit::HeightWindow window;
+  ASSERT_TRUE(window.read(*dem.source, surface.cells, {0, 0, 4, 4}));
+  audit::WindowParts parts{bins.triangles(0), bins.edges(0), {}};
+  EXPECT_EQ(audit::VerticalMeasure().measure(surface, window, parts).overall.value_m, 0);
+  parts.closed = true;
+  EXPECT_EQ(audit::VerticalMeasure().measure(surface, window, parts).overall.value_m, 50);
+}
+
 /// A tile of several windows gives what it gives in one piece.
 TEST(VerticalDistance, IsTheSameAcrossWindows) {
   const int size = 2 * static_cast<int>(audit::kWindowCells) + 40;

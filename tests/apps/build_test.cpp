@@ -1,0 +1,339 @@
+/// The build as a program: what it makes, what it refuses and how it says so.
+
+#include <algorithm>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "cache/tile_store.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temp_dir.h"
+#include "tests/support/test_raster.h"
+
+namespace tintree::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Words = std::vector<std::string>;
+
+constexpr int kDone = 0;
+constexpr int kUsage = 2;
+constexpr int kBadData = 3;
+constexpr int kIo = 4;
+constexpr int kStopped = 5;
+
+/// Exactly one line, by the program and with the words.
+void expect_message(const ProgramResult& r, const Words& words) {
+  EXPECT_TRUE(r.err.starts_with("tintree-build: ")) << r.err;
+  EXPECT_EQ(std::ranges::count(r.err, '\n'), 1) << r.err;
+  EXPECT_TRUE(r.err.ends_with('\n'));
+  for (const std::string& word : words) EXPECT_NE(r.err.find(word), std::string::npos) << word << " not in: " << r.err;
+}
+
+class BuildTest : public testing::Test {
+ protected:
+  BuildTest() : dem_(dir_.file("dem.tif")), tree_(dir_.file("tree.tintree")), report_(dir_.file("report.json")) {
+    write_raster(dem_, {.columns = 90, .rows = 70, .dx = 10, .dy = 10}, [](int c, int r) { return hills(c, r); });
+  }
+
+  ProgramResult build(Words more = {}) const { return run_program(TINTREE_BUILD, words(std::move(more))); }
+
+  /// The program's arguments for a quiet build; of small tiles on two threads unless `more` says otherwise.
+  Words words(Words more) const {
+    const auto add_default = [&more](const std::string& option, const std::string& value) {
+      if (std::ranges::find(more, option) == more.end()) more.insert(more.begin(), {option, value});
+    };
+    add_default("--tile", "32");
+    add_default("--threads", "2");
+    add_default("-o", tree_);
+    more.insert(more.begin(), {dem_, "--quiet"});
+    return more;
+  }
+
+  /// A build under a shell script that starts it by "$@".
+  ProgramResult build_under(const std::string& script, const Words& more = {}) const {
+    Words all{"-c", script, "sh", TINTREE_BUILD};
+    for (const std::string& word : words(more)) all.push_back(word);
+    return run_program("/bin/sh", all);
+  }
+
+  void expect_refused(const Words& more, int exit_code, const Words& message) const {
+    const ProgramResult r = build(more);
+    EXPECT_EQ(r.exit_code, exit_code) << r.all();
+    EXPECT_EQ(r.out, "");
+    expect_message(r, message);
+    EXPECT_FALSE(fs::exists(tree_));
+    EXPECT_FALSE(fs::exists(cache::TileWriter::building_path(tree_)));
+  }
+
+  /// The digest that a build reports, whose tree is whole.
+  std::string digest(const Words& more = {}) const {
+    Words all = more;
+    all.insert(all.end(), {"--json", report_});
+    const ProgramResult r = build(all);
+    EXPECT_EQ(r.exit_code, kDone) << r.all();
+    if (r.exit_code != kDone) return {};
+    const auto store = cache::TileStore::open(tree_);
+    EXPECT_TRUE(store.has_value());
+    EXPECT_FALSE(fs::exists(cache::TileWriter::building_path(tree_)));
+    const std::string found = json::parse(read_file(report_)).at("digest");
+    if (store) {
+      EXPECT_EQ(store->manifest().digest, found);
+    }
+    return found;
+  }
+
+  /// A build that takes long enough to be stopped.
+  void write_large_dem() const {
+    write_raster(dem_, {.columns = 600, .rows = 500},
+                 [](int c, int r) { return hills(c, r, 60) + (c * 7 + r * 13) % 5; });
+  }
+
+  TempDir dir_;
+  std::string dem_;
+  std::string tree_;
+  std::string report_;
+};
+
+TEST_F(BuildTest, BuildsATreeAndReportsIt) {
+  const ProgramResult r =
+      run_program(TINTREE_BUILD, {dem_, "-o", tree_, "--tile", "32", "--error", "2", "--json", report_});
+  ASSERT_EQ(r.exit_code, kDone) << r.all();
+  EXPECT_NE(r.out.find("digest "), std::string::npos) << r.out;
+  const json found = json::parse(read_file(report_));
+  for (const char* key : {"seconds",
+                          "read_seconds",
+                          "make_seconds",
+                          "measure_seconds",
+                          "threads",
+                          "samples",
+                          "valid_samples",
+                          "samples_per_second",
+                          "peak_rss_bytes",
+                          "error_m",
+                          "method",
+                          "tile_cells",
+                          "tiles",
+                          "vertices",
+                          "triangles",
+                          "payload_bytes",
+                          "bytes",
+                          "bits_per_sample",
+                          "file_bits_per_sample",
+                          "digest",
+                          "levels"}) {
+    EXPECT_TRUE(found.contains(key)) << key;
+  }
+  EXPECT_EQ(found.at("samples"), 90 * 70);
+  EXPECT_EQ(found.at("error_m"), 2);
+  EXPECT_EQ(found.at("bytes"), fs::file_size(tree_));
+  ASSERT_EQ(found.at("levels").size(), 3U);
+  std::uint64_t tiles = 0;
+  for (const json& level : found.at("levels")) {
+    for (const char* key : {"level", "tiles", "vertices", "triangles", "bytes", "bits_per_vertex", "bound_m",
+                            "vertical_max_m", "vertical_rms_m", "thread_seconds"}) {
+      EXPECT_TRUE(level.contains(key)) << key;
+    }
+    EXPECT_LE(level.at("vertical_max_m").get<double>(), level.at("bound_m").get<double>());
+    EXPECT_LE(level.at("vertical_rms_m").get<double>(), level.at("vertical_max_m").get<double>());
+    tiles += level.at("tiles").get<std::uint64_t>();
+  }
+  EXPECT_EQ(found.at("levels")[0].at("bound_m"), 8);
+  EXPECT_EQ(found.at("tiles"), tiles);
+  EXPECT_EQ(tiles, 1U + 4 + 9);
+  const auto store = cache::TileStore::open(tree_);
+  ASSERT_TRUE(store.has_value()) << store.error().text();
+  EXPECT_EQ(store->bounds().nodes().size(), tiles);
+}
+
+TEST_F(BuildTest, TakesHalfTheSpacingForItsError) {
+  digest();
+  EXPECT_EQ(json::parse(read_file(report_)).at("error_m"), 5);
+}
+
+TEST_F(BuildTest, GivesTheSameTreeWithOneThreadAndTwo) {
+  const std::string one = digest({"--threads", "1"});
+  EXPECT_EQ(one.size(), 32U);
+  EXPECT_EQ(digest({"--threads", "2", "--overwrite"}), one);
+  EXPECT_NE(digest({"--error", "1", "--overwrite"}), one);
+}
+
+TEST_F(BuildTest, TakesIntegersHolesAndOddSizes) {
+  write_raster(dem_, {.columns = 2, .rows = 2, .type = SampleType::kInt16}, [](int c, int r) { return c + r; });
+  EXPECT_NE(digest(), "");
+  write_raster(dem_, {.columns = 131, .rows = 3, .type = SampleType::kInt16},
+               [](int c, int r) { return c % 17 == 5 && r == 1 ? kMissing : hills(c, r); });
+  EXPECT_NE(digest({"--overwrite"}), "");
+}
+
+TEST_F(BuildTest, IsQuietWhenAsked) {
+  const ProgramResult r = build();
+  EXPECT_EQ(r.exit_code, kDone);
+  EXPECT_EQ(r.all(), "");
+}
+
+TEST_F(BuildTest, WarnsOfAMissingGeoreference) {
+  write_raster(dem_, {.columns = 40, .rows = 40, .epsg = 0}, [](int c, int r) { return hills(c, r); });
+  const ProgramResult r = run_program(TINTREE_BUILD, {dem_, "-o", tree_});
+  EXPECT_EQ(r.exit_code, kDone) << r.all();
+  EXPECT_NE(r.err.find("warning: no georeference"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find(dem_), std::string::npos) << r.err;
+}
+
+TEST_F(BuildTest, RefusesADemThatIsNotThere) {
+  fs::remove(dem_);
+  expect_refused({}, kIo, {dem_, "no such file"});
+}
+
+TEST_F(BuildTest, RefusesAFileThatIsNoRaster) {
+  write_file(dem_, "these are words, and no heights\n");
+  expect_refused({}, kBadData, {dem_, "no raster"});
+  write_file(dem_, "");
+  expect_refused({}, kBadData, {dem_});
+}
+
+TEST_F(BuildTest, RefusesATruncatedRaster) {
+  const std::string whole = read_file(dem_);
+  write_file(dem_, whole.substr(0, whole.size() / 3));
+  const ProgramResult r = build();
+  EXPECT_TRUE(r.exit_code == kBadData || r.exit_code == kIo) << r.all();
+  expect_message(r, {dem_});
+  EXPECT_FALSE(fs::exists(tree_));
+}
+
+TEST_F(BuildTest, RefusesOneRow) {
+  write_raster(dem_, {.columns = 40, .rows = 1}, [](int c, int) { return c; });
+  expect_refused({}, kBadData, {dem_, "40 x 1"});
+}
+
+TEST_F(BuildTest, RefusesARasterOfNodata) {
+  write_raster(dem_, {.columns = 40, .rows = 40}, [](int, int) { return kMissing; });
+  expect_refused({}, kBadData, {dem_, "nodata"});
+}
+
+TEST_F(BuildTest, RefusesARasterWithoutAnySurface) {
+  // Samples, but no three that make a triangle.
+  write_raster(dem_, {.columns = 40, .rows = 40}, [](int c, int r) { return c % 2 == 0 && r % 2 == 0 ? 1 : kMissing; });
+  const ProgramResult r = build();
+  EXPECT_EQ(r.exit_code, kBadData) << r.all();
+  expect_message(r, {dem_});
+  EXPECT_FALSE(fs::exists(tree_));
+}
+
+TEST_F(BuildTest, RefusesUndeclaredNodataBeyondTheFormat) {
+  write_raster(dem_, {.columns = 40, .rows = 40, .type = SampleType::kFloat32, .nodata = {}},
+               [](int c, int r) { return c < 5 ? -3.4e38 : hills(c, r); });
+  expect_refused({}, kBadData, {dem_, "nodata"});
+}
+
+TEST_F(BuildTest, LeavesAnExistingOutputAlone) {
+  write_file(tree_, "precious");
+  const ProgramResult r = build();
+  EXPECT_EQ(r.exit_code, kIo) << r.all();
+  expect_message(r, {tree_, "--overwrite"});
+  EXPECT_EQ(read_file(tree_), "precious");
+  EXPECT_NE(digest({"--overwrite"}), "");
+}
+
+TEST_F(BuildTest, KeepsTheOldTreeWhenAnOverwritingBuildFails) {
+  write_file(tree_, "precious");
+  write_file(dem_, "no heights");
+  EXPECT_EQ(build({"--overwrite"}).exit_code, kBadData);
+  EXPECT_EQ(read_file(tree_), "precious");
+}
+
+TEST_F(BuildTest, RefusesAnOutputInAMissingFolder) {
+  tree_ = dir_.file("nowhere/t.tintree");
+  expect_refused({}, kIo, {dir_.file("nowhere")});
+}
+
+TEST_F(BuildTest, RefusesADirectoryAsOutput) {
+  fs::create_directory(tree_);
+  const ProgramResult r = build({"--overwrite"});
+  EXPECT_EQ(r.exit_code, kIo) << r.all();
+  expect_message(r, {tree_, "directory"});
+  EXPECT_TRUE(fs::is_directory(tree_));
+}
+
+TEST_F(BuildTest, RefusesAFolderThatMayNotBeWrittenTo) {
+  const std::string setpriv = "/usr/bin/setpriv";
+  if (geteuid() == 0 && !fs::exists(setpriv)) GTEST_SKIP() << "root writes everywhere, and there is no setpriv";
+  fs::permissions(dir_.path(),
+                  fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read | fs::perms::others_exec);
+  fs::permissions(dem_, fs::perms::all);
+  const std::string script =
+      geteuid() == 0 ? "exec " + setpriv + " --reuid=65534 --clear-groups -- \"$@\"" : "exec \"$@\"";
+  const ProgramResult r = build_under(script);
+  if (r.exit_code == 126 || r.exit_code == 127) GTEST_SKIP() << "the program cannot be run as another user: " << r.err;
+  EXPECT_EQ(r.exit_code, kIo) << r.all();
+  expect_message(r, {dir_.path(), "permission"});
+  EXPECT_FALSE(fs::exists(tree_));
+}
+
+TEST_F(BuildTest, RefusesWrongOptions) {
+  expect_refused({"--sideways"}, kUsage, {"--sideways"});
+  expect_refused({"--tile", "100"}, kUsage, {"--tile", "power of two"});
+  for (const char* tile : {"0", "-16", "4", "8192", "many"}) expect_refused({"--tile", tile}, kUsage, {"--tile"});
+  for (const char* error : {"0", "-1", "nan", "inf", "-0", "large"})
+    expect_refused({"--error", error}, kUsage, {"--error"});
+  for (const char* threads : {"-1", "100000"}) expect_refused({"--threads", threads}, kUsage, {"--threads"});
+  for (const char* memory : {"1", "0"}) expect_refused({"--memory", memory}, kUsage, {"--memory"});
+  expect_refused({"--memory", "-5"}, kUsage, {"--memory"});
+  expect_refused({"--method", "magic"}, kUsage, {"--method"});
+  expect_refused({"--resume"}, kUsage, {tree_});
+  expect_refused({"--resume", "--overwrite"}, kUsage, {"--resume", "--overwrite"});
+}
+
+TEST_F(BuildTest, WantsADemAndAnOutput) {
+  for (const Words& words : {Words{}, Words{dem_}, Words{"-o", tree_}}) {
+    const ProgramResult r = run_program(TINTREE_BUILD, words);
+    EXPECT_EQ(r.exit_code, kUsage);
+    expect_message(r, {"required"});
+  }
+  EXPECT_EQ(run_program(TINTREE_BUILD, {"--help"}).exit_code, kDone);
+  EXPECT_EQ(run_program(TINTREE_BUILD, {"--version"}).exit_code, kDone);
+}
+
+TEST_F(BuildTest, SaysWhenTheReportCannotBeWritten) {
+  const ProgramResult r = build({"--json", dir_.file("no/such/folder.json")});
+  EXPECT_EQ(r.exit_code, kIo) << r.all();
+  expect_message(r, {"folder.json"});
+}
+
+TEST_F(BuildTest, SaysWhenTheDiskIsFull) {
+  write_large_dem();
+  // A file may have 100 blocks of 512 bytes, and writing beyond is an error, not a signal.
+  const ProgramResult r = build_under("trap '' XFSZ; ulimit -f 100; exec \"$@\"", {"--error", "0.2"});
+  EXPECT_EQ(r.exit_code, kIo) << r.all();
+  expect_message(r, {tree_});
+  EXPECT_FALSE(fs::exists(tree_));
+}
+
+TEST_F(BuildTest, GoesOnAfterAnInterrupt) {
+  write_large_dem();
+  // Waits for the first tiles, interrupts, and hands on how the build ended.
+  const std::string script = "\"$@\" & pid=$!; while kill -0 $pid && ! [ -e '" +
+                             cache::TileWriter::building_path(tree_) +
+                             "' ]; do sleep 0.02; done; sleep 0.1; kill -INT $pid; wait $pid";
+  const ProgramResult stopped = build_under(script);
+  ASSERT_EQ(stopped.exit_code, kStopped) << stopped.all();
+  expect_message(stopped, {"--resume"});
+  EXPECT_FALSE(fs::exists(tree_));
+  ASSERT_TRUE(fs::exists(cache::TileWriter::building_path(tree_)));
+
+  const ProgramResult again = build();
+  EXPECT_EQ(again.exit_code, kIo) << "an unfinished build is not thrown away in silence";
+  expect_message(again, {"--resume", "--overwrite"});
+  const ProgramResult other = build({"--resume", "--error", "3"});
+  EXPECT_EQ(other.exit_code, kUsage) << other.all();
+  expect_message(other, {"error"});
+
+  const std::string resumed = digest({"--resume"});
+  EXPECT_EQ(resumed, digest({"--overwrite"}));
+}
+
+}  // namespace
+}  // namespace tintree::test

@@ -1,0 +1,208 @@
+/// Two tiles at a side make the same vertices there, each on its own.
+
+#include "simplify/border_ribbon.h"
+
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "simplify/tin_maker.h"
+#include "tests/simplify/support.h"
+
+namespace tintree::simplify {
+namespace {
+
+using codec::TileId;
+using codec::TileMesh;
+using test::Terrain;
+
+/// An edge along a side: two places along it, in samples, and the heights there.
+struct SideEdge {
+  double from;
+  double to;
+  double from_m;
+  double to_m;
+
+  friend bool operator==(const SideEdge&, const SideEdge&) = default;
+};
+
+/// Edges by the unit cells along the side that they span.
+using SideEdges = std::map<std::int64_t, SideEdge>;
+
+/// The mesh's edges on the line column = `line` (southward) or row = `line`.
+SideEdges edges_on(const codec::TreeLayout& layout, const TileId& id, const TileMesh& mesh, bool southward,
+                   std::int64_t line) {
+  const codec::GridFrame frame(layout, id, mesh);
+  SideEdges out;
+  const auto across = [&](const codec::GridVertex& v) { return southward ? frame.column(v.x) : frame.row(v.y); };
+  const auto along = [&](const codec::GridVertex& v) { return southward ? frame.row(v.y) : frame.column(v.x); };
+  for (const codec::Triangle& t : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const codec::GridVertex* a = &mesh.vertices[t[k]];
+      const codec::GridVertex* b = &mesh.vertices[t[(k + 1) % 3]];
+      if (across(*a) != static_cast<double>(line) || across(*b) != static_cast<double>(line)) continue;
+      if (along(*a) > along(*b)) std::swap(a, b);
+      const SideEdge edge{along(*a), along(*b), frame.height_m(a->z), frame.height_m(b->z)};
+      for (auto i = static_cast<std::int64_t>(edge.from); static_cast<double>(i) < edge.to; ++i) {
+        EXPECT_TRUE(out.emplace(i, edge).second) << "two edges over one stretch of the side";
+      }
+    }
+  }
+  return out;
+}
+
+/// How often neighbours met, to know that the comparison was one.
+struct Met {
+  int stretches = 0;
+  int longer_than_a_cell = 0;
+};
+
+void compare_side(const codec::TreeLayout& layout, const TileId& a, const TileMesh& mesh_a, const TileId& b,
+                  const TileMesh& mesh_b, Met& met) {
+  const bool southward = a.y == b.y;
+  const std::int64_t line = (southward ? std::int64_t{b.x} : std::int64_t{b.y}) * layout.cells_across(a.level);
+  const SideEdges left = edges_on(layout, a, mesh_a, southward, line);
+  const SideEdges right = edges_on(layout, b, mesh_b, southward, line);
+  for (const auto& [cell, edge] : left) {
+    const auto other = right.find(cell);
+    if (other == right.end()) continue;
+    EXPECT_TRUE(edge == other->second) << a.text() << " and " << b.text() << " differ at " << cell << ": " << edge.from
+                                       << ".." << edge.to << " and " << other->second.from << ".." << other->second.to;
+    ++met.stretches;
+    met.longer_than_a_cell += edge.to - edge.from > 1 ? 1 : 0;
+  }
+}
+
+/// All sides of all levels; also that the line keeps half of the bound.
+Met expect_equal_sides(const Terrain& terrain, int tile_cells, double error_m) {
+  const codec::TreeLayout layout = test::make_layout(terrain, tile_cells, error_m);
+  TinMaker maker(*terrain.surface, layout);
+  std::map<std::int64_t, TileMesh> tiles;
+  for (const TileId& id : test::tiles_of(layout)) {
+    auto mesh = maker.make(id);
+    EXPECT_TRUE(mesh.has_value());
+    if (!mesh || mesh->triangles.empty()) continue;
+    const double step = layout.z_step_m[static_cast<std::size_t>(id.level)];
+    EXPECT_LE(test::overlay(terrain.grid, layout, id, *mesh).border_max_m, layout.bound_m(id.level) / 2 + step / 2);
+    tiles.emplace(id.key(), std::move(*mesh));
+  }
+  Met met;
+  for (const auto& [key, mesh] : tiles) {
+    const TileId id = TileId::from_key(key);
+    for (const TileId& next : {TileId{id.level, id.x + 1, id.y}, TileId{id.level, id.x, id.y + 1}}) {
+      const auto other = tiles.find(next.key());
+      if (other != tiles.end()) compare_side(layout, id, mesh, next, other->second, met);
+    }
+  }
+  return met;
+}
+
+TEST(BorderRibbon, NeighboursAgreeOnRandomTerrain) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    const Terrain terrain = test::make_terrain(129, 129, test::rough_hills(30, 1, 0, seed));
+    const Met met = expect_equal_sides(terrain, 16, 0.3 * std::pow(2.0, seed));
+    EXPECT_GE(met.stretches, 2 * 128 * 7);
+    EXPECT_GT(met.longer_than_a_cell, 0);
+  }
+}
+
+TEST(BorderRibbon, NeighboursAgreeAtHoles) {
+  // From single missing samples to islands; with tiles of 8 cells many touch sides and corners.
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const double holes = 0.01 * std::pow(2.0, seed % 6);
+    const Terrain terrain = test::make_terrain(97, 66, test::rough_hills(20, 1, holes, seed));
+    const Met met = expect_equal_sides(terrain, 8, seed % 2 == 0 ? 1 : 8);
+    EXPECT_GT(met.stretches, 100);
+    EXPECT_GT(met.longer_than_a_cell, 0);
+  }
+}
+
+TEST(BorderRibbon, NeighboursAgreeAtLargeHoles) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    const auto hills = test::rough_hills(20, 0.5, 0, seed);
+    const auto height = [&](int c, int r) {
+      return test::noise(c / 6, r / 6, seed) < 0.3 ? test::kMissing : hills(c, r);
+    };
+    expect_equal_sides(test::make_terrain(97, 97, height), 16, 2);
+  }
+}
+
+TEST(BorderRibbon, NeighboursAgreeAtCliffs) {
+  for (const int where : {15, 16, 17, 31, 32}) {
+    expect_equal_sides(
+        test::make_terrain(65, 65,
+                           [=](int c, int r) { return (c >= where ? 100.0 : 0.0) + (r >= where ? 40.0 : 0.0); }),
+        16, 1);
+    expect_equal_sides(
+        test::make_terrain(65, 65,
+                           [=](int c, int r) { return (c + r >= 2 * where ? 200.0 : 0.0) + test::hills(c, r, 5); }),
+        16, 1);
+  }
+}
+
+TEST(BorderRibbon, NeighboursAgreeOnEveryShape) {
+  for (const test::Shape& shape : test::adversarial_shapes()) {
+    SCOPED_TRACE(shape.name);
+    expect_equal_sides(test::make_terrain(shape.columns, shape.rows, shape.height), 16, 1.5);
+  }
+}
+
+TEST(BorderRibbon, WhatLiesFarOffDoesNotMoveTheSide) {
+  // The neighbours' height ranges, and with them their rounding guards, differ beyond measure.
+  const auto hills = test::rough_hills(4, 0.2, 0);
+  const auto with_tower = [&](int c, int r) { return c == 384 && r == 96 ? 100000.0 : hills(c, r); };
+  const Terrain terrain = test::make_terrain(513, 257, with_tower);
+  for (const double error_m : {0.12, 0.5}) {
+    const Met met = expect_equal_sides(terrain, 256, error_m);
+    EXPECT_GT(met.longer_than_a_cell, 0);
+  }
+}
+
+TEST(BorderRibbon, APlaneNeedsNoVerticesInside) {
+  const Terrain terrain = test::make_terrain(65, 65, [](int c, int r) { return 0.5 * c + 3 * r; });
+  const HeightLattice heights{0.25};
+  SurfaceView view(*terrain.surface);
+  BorderRibbon ribbon;
+  for (const Side& side :
+       {Side{16, 32, 16, false}, Side{32, 16, 16, true}, Side{0, 0, 64, false}, Side{64, 0, 64, true}}) {
+    EXPECT_EQ(ribbon.settle(view, side, 1, heights).size(), static_cast<std::size_t>(side.cells) - 1);
+  }
+}
+
+TEST(BorderRibbon, DoesNotDependOnWhatItSettledBefore) {
+  const Terrain terrain = test::make_terrain(129, 129, test::rough_hills(30, 1, 0.02));
+  const HeightLattice heights{0.25};
+  SurfaceView view(*terrain.surface);
+  BorderRibbon used;
+  const auto same = [](const RibbonStep& a, const RibbonStep& b) {
+    return a.index == b.index && a.towards == b.towards && a.z == b.z;
+  };
+  for (std::int64_t k = 0; k < 8; ++k) {
+    const Side side{16 * k, 64, 16, k % 2 == 0};
+    const auto again = used.settle(view, side, 1, heights);
+    const auto fresh = BorderRibbon().settle(view, side, 1, heights);
+    EXPECT_TRUE(std::ranges::equal(again, fresh, same));
+  }
+}
+
+TEST(BorderRibbon, FlipsOnlyWhatStaysInBound) {
+  const Terrain terrain = test::make_terrain(4, 3, [](int c, int r) {
+    return c == 3 && r == 2 ? test::kMissing : c == 1 && r == 1 ? 8.0 : 0.0;
+  });
+  const HeightLattice heights{0.25};
+  SurfaceView view(*terrain.surface);
+  // Half of the raised sample's height is what a flip of a cell at it changes.
+  EXPECT_TRUE(may_flip(view, 0, 0, 4.001, heights));
+  EXPECT_FALSE(may_flip(view, 0, 0, 3.9, heights));
+  EXPECT_TRUE(may_flip(view, 1, 0, 4.001, heights));
+  EXPECT_FALSE(may_flip(view, 1, 0, 3.9, heights));
+  EXPECT_TRUE(may_flip(view, 2, 0, 0.1, heights));
+  EXPECT_FALSE(may_flip(view, 2, 1, 100, heights)) << "a sample is missing";
+  EXPECT_FALSE(may_flip(view, 3, 1, 100, heights)) << "beyond the raster";
+  EXPECT_FALSE(may_flip(view, -1, 0, 100, heights));
+}
+
+}  // namespace
+}  // namespace tintree::simplify

@@ -1,0 +1,170 @@
+#include "simplify/reference_surface.h"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "tests/simplify/support.h"
+
+namespace tintree::simplify {
+namespace {
+
+using test::Terrain;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Compares one patch with every sample of its square, and with the surface between them.
+void expect_patch_bounds(const Terrain& terrain, const PlanePatch& patch, std::int64_t column0, std::int64_t row0,
+                         int cells) {
+  double low = kInfinity;
+  double high = -kInfinity;
+  bool missing = false;
+  for (int j = 0; j <= cells; ++j) {
+    for (int i = 0; i <= cells; ++i) {
+      const double h = terrain.grid.at(column0 + i, row0 + j);
+      missing = missing || std::isnan(h);
+      if (std::isnan(h)) continue;
+      const double residual =
+          h - (static_cast<double>(patch.c) + static_cast<double>(patch.a) * i + static_cast<double>(patch.b) * j);
+      low = std::min(low, residual);
+      high = std::max(high, residual);
+    }
+  }
+  EXPECT_EQ(patch.empty(), low > high);
+  if (patch.empty()) return;
+  EXPECT_EQ(std::isnan(patch.low), missing);
+  EXPECT_GE(static_cast<double>(patch.high), high - 1e-9);
+  EXPECT_LE(static_cast<double>(patch.high), high + 1e-3);
+  if (missing) return;
+  EXPECT_LE(static_cast<double>(patch.low), low + 1e-9);
+  EXPECT_GE(static_cast<double>(patch.low), low - 1e-3);
+  for (int k = 0; k < 200; ++k) {
+    const double x = std::floor(test::noise(k, cells, 1) * cells * 8) / 8;
+    const double y = std::floor(test::noise(k, cells, 2) * cells * 8) / 8;
+    const double residual =
+        terrain.grid.surface(static_cast<double>(column0) + x, static_cast<double>(row0) + y) -
+        (static_cast<double>(patch.c) + static_cast<double>(patch.a) * x + static_cast<double>(patch.b) * y);
+    EXPECT_GE(residual, static_cast<double>(patch.low) - 1e-9);
+    EXPECT_LE(residual, static_cast<double>(patch.high) + 1e-9);
+  }
+}
+
+void expect_pyramid_bounds(const Terrain& terrain) {
+  const cache::HeightBlocks& blocks = terrain.surface->blocks();
+  for (std::int64_t by = 0; by < blocks.blocks_y(); ++by) {
+    for (std::int64_t bx = 0; bx < blocks.blocks_x(); ++bx) {
+      const BlockPatches& patches = terrain.surface->patches(bx, by);
+      for (std::size_t size = 0; size < kPatchCells.size(); ++size) {
+        const int cells = kPatchCells[size];
+        for (int j = 0; j < cache::kBlockCells; j += cells) {
+          for (int i = 0; i < cache::kBlockCells; i += cells) {
+            expect_patch_bounds(terrain, patches.at(static_cast<int>(size), i, j), bx * 256 + i, by * 256 + j, cells);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(PlanePatch, BoundsSmoothAndRoughSurfaces) {
+  expect_pyramid_bounds(test::make_terrain(513, 257, test::rough_hills(300, 5, 0)));
+  expect_pyramid_bounds(test::make_terrain(300, 280, [](int c, int r) { return 8000 + 100 * test::noise(c, r); }));
+}
+
+TEST(PlanePatch, KnowsMissingSamples) {
+  expect_pyramid_bounds(test::make_terrain(300, 280, test::rough_hills(30, 5, 0.0005)));
+  expect_pyramid_bounds(
+      test::make_terrain(300, 280, [](int c, int r) { return c < 64 || r > 200 ? test::kMissing : c + r; }));
+}
+
+TEST(PlanePatch, IsThinOnAPlane) {
+  const Terrain terrain = test::make_terrain(257, 257, [](int c, int r) { return 0.5 * c - 2 * r; });
+  const PlanePatch& whole = terrain.surface->patches(0, 0).whole;
+  EXPECT_LT(static_cast<double>(whole.high) - static_cast<double>(whole.low), 1e-3);
+}
+
+TEST(ReferenceSurface, CountsSamplesAndRanges) {
+  const Terrain terrain = test::make_terrain(513, 257, [](int c, int r) {
+    return c >= 256 && r > 20 ? test::kMissing : c < 256 ? 5.0 + r : -7.0;
+  });
+  std::uint64_t valid = 0;
+  for (const double h : terrain.grid.heights_m) valid += std::isnan(h) ? 0 : 1;
+  // Shared sides are left to the next block, and there is none beyond the last.
+  EXPECT_NEAR(static_cast<double>(terrain.surface->valid_samples()), static_cast<double>(valid), 513 + 257);
+  EXPECT_EQ(terrain.surface->height_range_m({0, 0, 10, 10}), (std::array<double, 2>{-7, 261}));
+  EXPECT_EQ(terrain.surface->height_range_m({300, 0, 310, 10}), (std::array<double, 2>{-7, -7}));
+  EXPECT_EQ(terrain.surface->height_range_m({0, 0, 512, 256}), (std::array<double, 2>{-7, 261}));
+  const auto none = terrain.surface->height_range_m({10, 10, 10, 10});
+  EXPECT_GT(none[0], none[1]);
+}
+
+TEST(ReferenceSurface, HasNoRangeWhereNothingIs) {
+  const Terrain terrain = test::make_terrain(513, 20, [](int c, int) { return c > 255 ? test::kMissing : 1.0; });
+  const auto range = terrain.surface->height_range_m({256, 0, 512, 19});
+  EXPECT_GT(range[0], range[1]);
+}
+
+TEST(ReferenceSurface, KnowsWhetherThereIsAnyTriangle) {
+  const auto has_surface = [](const test::HeightFunction& height) {
+    return test::make_terrain(300, 280, height).surface->has_surface();
+  };
+  EXPECT_TRUE(has_surface([](int, int) { return 1.0; }));
+  EXPECT_FALSE(has_surface([](int c, int) { return c % 2 == 0 ? 1.0 : test::kMissing; }));
+  // Three samples, without and with the diagonal from north-west to south-east.
+  EXPECT_FALSE(has_surface([](int c, int r) { return c + r <= 1 ? 1.0 : test::kMissing; }));
+  EXPECT_TRUE(has_surface(
+      [](int c, int r) { return (c == 299 || c == 298) && (r == 279 || c + r == 576) ? 1.0 : test::kMissing; }));
+}
+
+TEST(ReferenceSurface, DigestChangesWithEverySample) {
+  const auto digest = [](int column, int row, double by) {
+    return test::make_terrain(300, 40,
+                              [=](int c, int r) { return test::hills(c, r) + (c == column && r == row ? by : 0); })
+        .surface->digest();
+  };
+  const std::string plain = digest(-1, -1, 0);
+  EXPECT_EQ(plain.size(), 32U);
+  EXPECT_EQ(digest(-1, -1, 0), plain);
+  for (const auto& [c, r] : {std::pair{0, 0}, {299, 39}, {299, 0}, {256, 20}, {255, 1}, {17, 39}}) {
+    EXPECT_NE(digest(c, r, 1.0 / 64), plain) << c << ' ' << r;
+    EXPECT_NE(digest(c, r, test::kMissing), plain) << c << ' ' << r;
+  }
+}
+
+TEST(ReferenceSurface, DigestTellsAWholeShiftInHeight) {
+  const auto digest = [](double up) {
+    return test::make_terrain(40, 40, [=](int c, int r) { return test::hills(c, r) + up; }).surface->digest();
+  };
+  EXPECT_NE(digest(0), digest(1));
+}
+
+TEST(ReferenceSurface, ScanStopsWhenAsked) {
+  const Terrain terrain = test::make_terrain(600, 600, [](int, int) { return 1.0; });
+  const auto blocks = std::shared_ptr<cache::HeightBlocks>(&terrain.surface->blocks(), [](auto*) {});
+  std::uint64_t seen = 0;
+  const auto stopped = ReferenceSurface::scan(blocks, [&](std::uint64_t done, std::uint64_t total) {
+    EXPECT_EQ(total, 9U);
+    seen = done;
+    return done < 3;
+  });
+  ASSERT_FALSE(stopped.has_value());
+  EXPECT_EQ(stopped.error().code, ErrorCode::kStopped);
+  EXPECT_EQ(seen, 3U);
+}
+
+TEST(SurfaceView, GivesEverySampleWhateverTheOrder) {
+  const Terrain terrain = test::make_terrain(600, 300, test::rough_hills(20, 3, 0.05));
+  SurfaceView view(*terrain.surface);
+  for (int k = 0; k < 20000; ++k) {
+    const auto column = static_cast<std::int64_t>(test::noise(k, 1) * 604) - 2;
+    const auto row = static_cast<std::int64_t>(test::noise(k, 2) * 304) - 2;
+    const double found = view.sample(column, row);
+    const double expected = terrain.grid.at(column, row);
+    EXPECT_TRUE(found == expected || (std::isnan(found) && std::isnan(expected))) << column << ' ' << row;
+  }
+}
+
+}  // namespace
+}  // namespace tintree::simplify

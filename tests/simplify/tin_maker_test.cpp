@@ -1,0 +1,156 @@
+/// What every tile promises, over rasters made to break it.
+
+#include "simplify/tin_maker.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/simplify/support.h"
+
+namespace tintree::simplify {
+namespace {
+
+using codec::TileId;
+using codec::TileMesh;
+using test::Shape;
+using test::Terrain;
+
+TileMesh make(TinMaker& maker, const TileId& id) {
+  auto mesh = maker.make(id);
+  EXPECT_TRUE(mesh.has_value()) << mesh.error().text();
+  return mesh ? std::move(*mesh) : TileMesh{};
+}
+
+/// Makes and checks every tile of a tree.
+void expect_sound_tree(const Terrain& terrain, int tile_cells, double error_m) {
+  SCOPED_TRACE("tile " + std::to_string(tile_cells) + " error " + std::to_string(error_m));
+  const codec::TreeLayout layout = test::make_layout(terrain, tile_cells, error_m);
+  TinMaker maker(*terrain.surface, layout);
+  for (const TileId& id : test::tiles_of(layout)) {
+    test::expect_sound_tile(terrain.grid, layout, id, make(maker, id));
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+class TinMakerTest : public testing::TestWithParam<Shape> {};
+
+TEST_P(TinMakerTest, KeepsItsPromises) {
+  const Terrain terrain = test::make_terrain(GetParam().columns, GetParam().rows, GetParam().height);
+  for (const auto& [tile_cells, error_m] :
+       {std::pair{16, 0.5}, {16, 10.0}, {64, 0.01}, {64, 3.0}, {256, 0.5}, {256, 100.0}}) {
+    expect_sound_tree(terrain, tile_cells, error_m);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, TinMakerTest, testing::ValuesIn(test::adversarial_shapes()),
+                         [](const auto& shape) { return shape.param.name; });
+
+TEST(TinMaker, KeepsItsPromisesOnRandomTerrain) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(seed);
+    const double error_m = 0.1 * std::pow(2.0, seed % 7);
+    const Terrain terrain = test::make_terrain(90 + static_cast<int>(seed), 70,
+                                               test::rough_hills(30, 1, seed % 3 == 0 ? 0 : 0.02 * seed, seed));
+    expect_sound_tree(terrain, seed % 2 == 0 ? 16 : 32, error_m);
+  }
+}
+
+TEST(TinMaker, LeavesTwoTrianglesOfAPlane) {
+  for (const double slope : {0.0, 0.25, 8.0}) {
+    const Terrain terrain = test::make_terrain(257, 257, [=](int c, int r) { return slope * c - 2 * slope * r + 3; });
+    for (const int tile_cells : {16, 64, 256}) {
+      const codec::TreeLayout layout = test::make_layout(terrain, tile_cells, 1);
+      TinMaker maker(*terrain.surface, layout);
+      for (const TileId& id : test::tiles_of(layout)) {
+        const TileMesh mesh = make(maker, id);
+        EXPECT_EQ(mesh.triangles.size(), 2U) << "slope " << slope << ", tile " << id.text() << " of " << tile_cells;
+        EXPECT_EQ(mesh.vertices.size(), 4U);
+      }
+    }
+  }
+}
+
+TEST(TinMaker, SimplifiesSmoothTerrainALot) {
+  const Terrain terrain = test::make_terrain(257, 257, [](int c, int r) { return test::hills(c, r, 20); });
+  const codec::TreeLayout layout = test::make_layout(terrain, 256, 2);
+  TinMaker maker(*terrain.surface, layout);
+  const TileMesh mesh = make(maker, {});
+  EXPECT_LT(mesh.triangles.size(), 2U * 256 * 256 / 20);
+}
+
+TEST(TinMaker, MakesNothingWhereThereIsNoSurface) {
+  // Single samples and rows of samples are no surface.
+  const Terrain terrain = test::make_terrain(65, 65, [](int c, int r) {
+    return c < 32 ? 1.0 : r % 2 == 0 ? 2.0 : test::kMissing;
+  });
+  const codec::TreeLayout layout = test::make_layout(terrain, 32, 1);
+  TinMaker maker(*terrain.surface, layout);
+  EXPECT_FALSE(make(maker, {1, 0, 0}).triangles.empty());
+  EXPECT_TRUE(make(maker, {1, 1, 0}).triangles.empty());
+  EXPECT_TRUE(make(maker, {1, 1, 1}).triangles.empty());
+}
+
+TEST(TinMaker, MakesTheSameTileWhateverItMadeBefore) {
+  const Terrain terrain = test::make_terrain(129, 129, test::rough_hills(30, 2, 0.01));
+  const codec::TreeLayout layout = test::make_layout(terrain, 32, 1);
+  TinMaker used(*terrain.surface, layout);
+  for (const TileId& id : test::tiles_of(layout)) {
+    TinMaker fresh(*terrain.surface, layout);
+    const TileMesh a = make(used, id);
+    const TileMesh b = make(fresh, id);
+    EXPECT_EQ(a.vertices, b.vertices) << id.text();
+    EXPECT_EQ(a.triangles, b.triangles) << id.text();
+    EXPECT_EQ(a.z_offset, b.z_offset);
+    EXPECT_EQ(a.xy_shift, b.xy_shift);
+  }
+}
+
+TEST(TinMaker, UsesTheCoarsestAddressesThatHold) {
+  const Terrain terrain = test::make_terrain(257, 257, [](int, int) { return 5.0; });
+  const codec::TreeLayout layout = test::make_layout(terrain, 256, 1);
+  TinMaker maker(*terrain.surface, layout);
+  const TileMesh mesh = make(maker, {});
+  EXPECT_EQ(mesh.xy_shift, 8);
+  for (const codec::GridVertex& v : mesh.vertices) EXPECT_EQ(v.z, 0);
+  EXPECT_EQ(static_cast<double>(mesh.z_offset) * layout.z_step_m[0], 5.0);
+}
+
+TEST(TinMaker, RefusesReliefThatTheFormatCannotHold) {
+  const Terrain terrain = test::make_terrain(65, 65, [](int c, int) { return c == 30 ? 65536.0 * 8 : 0.0; });
+  codec::TreeLayout layout = test::make_layout(terrain, 64, 1);
+  layout.z_step_m = {1.0 / 64};
+  TinMaker maker(*terrain.surface, layout);
+  const auto mesh = maker.make({});
+  ASSERT_FALSE(mesh.has_value());
+  EXPECT_EQ(mesh.error().code, ErrorCode::kBadData);
+  EXPECT_NE(mesh.error().text().find("--error"), std::string::npos);
+}
+
+TEST(TileMaker, IsFoundByItsName) {
+  const Terrain terrain = test::make_terrain(9, 9, [](int, int) { return 5.0; });
+  const codec::TreeLayout layout = test::make_layout(terrain, 8, 1);
+  EXPECT_NE(make_tile_maker("tin", *terrain.surface, layout), nullptr);
+  EXPECT_EQ(make_tile_maker("tun", *terrain.surface, layout), nullptr);
+}
+
+/// Crops of real elevation models, where the checkout has them.
+class RealTerrainTest : public testing::TestWithParam<const char*> {};
+
+TEST_P(RealTerrainTest, KeepsItsPromises) {
+  const std::string path = std::string(TINTREE_DATA) + "/" + GetParam();
+  if (!cache::RasterSource::open(path)) GTEST_SKIP() << "no " << path;
+  const test::HeightGrid whole = test::read_grid(path);
+  const std::int64_t left = whole.columns / 3;
+  const std::int64_t top = whole.rows / 3;
+  const Terrain terrain = test::make_terrain(200, 150, [&](int c, int r) { return whole.at(left + c, top + r); });
+  for (const double error_m : {1.0, 15.0}) expect_sound_tree(terrain, 64, error_m);
+}
+
+INSTANTIATE_TEST_SUITE_P(Crops, RealTerrainTest,
+                         testing::Values("mt_everest_90m.tif", "mt_rainier_90m.tif", "coast_srtm_723x1105.tif",
+                                         "ps_height_1k.png"),
+                         [](const auto& name) { return "Crop" + std::to_string(name.index); });
+
+}  // namespace
+}  // namespace tintree::simplify
