@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
+
+#include "simplify/sample_spans.h"
+#include "simplify/triangle_plane.h"
 
 namespace tintree::simplify {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Coordinates this near to a grid line are on it.
-constexpr double kSnap = 1e-9;
-/// Below this weight the hub cannot move a point measurably: it lies on the old outer edge or hard by it.
-constexpr float kMinWeight = 1e-6F;
 /// Smaller triangles (in cells) have no sample off the outer edge whose weight is that low.
 constexpr double kAreaOfLightSamples = 1e5;
 /// Triangles and spokes longer than this are settled square by square.
@@ -22,153 +20,7 @@ constexpr std::int64_t kLarge = 24;
 /// Index into kPatchCells of the squares to begin with over something this long.
 int patch_size_for(std::int64_t extent) { return extent < 128 ? 0 : extent < 512 ? 1 : 2; }
 
-// Eight floats at a time; compiled once for the machine's baseline and once for AVX2.
-#define TINTREE_CLONES __attribute__((target_clones("avx2", "default")))
-using Lanes = float __attribute__((vector_size(32)));
-using LaneMask = std::int32_t __attribute__((vector_size(32)));
-constexpr int kLanes = 8;
-
-/// One row of samples under a triangle: n samples from `heights`; hub weight and plane height at the first
-/// one and their steps.
-struct RowSpan {
-  const float* heights;
-  int n;
-  float weight;
-  float plane;
-};
-
-struct RowSteps {
-  float weight;
-  float plane;
-  float bound;
-  bool light = false;  // there may be samples hard by the outer edge
-};
-
-/// Intersects [lo, hi] with the hub heights that each sample of the rows allows.
-TINTREE_CLONES void clip_spans(const RowSpan* spans, int count, const RowSteps& steps, float& lo, float& hi) {
-  const Lanes iota = {0, 1, 2, 3, 4, 5, 6, 7};
-  Lanes best_lo = iota * 0 + lo;
-  Lanes best_hi = iota * 0 + hi;
-  for (int k = 0; k < count; ++k) {
-    const RowSpan& span = spans[k];
-    const auto n = static_cast<float>(span.n);
-    for (int i = 0; i < span.n; i += kLanes) {
-      const Lanes at = iota + static_cast<float>(i);
-      const Lanes weight = span.weight + at * steps.weight;
-      Lanes h;
-      std::memcpy(&h, span.heights + i, sizeof h);
-      const Lanes residual = h - (span.plane + at * steps.plane);
-      const Lanes inverse = 1.0F / weight;
-      const Lanes low = (residual - steps.bound) * inverse;
-      const Lanes high = (residual + steps.bound) * inverse;
-      const LaneMask counts = (at < n) & (weight > kMinWeight);
-      const LaneMask raises = counts & (low > best_lo);
-      const LaneMask lowers = counts & (high < best_hi);
-      best_lo = raises ? low : best_lo;
-      best_hi = lowers ? high : best_hi;
-      if (steps.light) {
-        const LaneMask beyond =
-            (at < n) & (weight <= kMinWeight) & ((residual > steps.bound) | (residual < -steps.bound));
-        best_lo = beyond ? best_hi + 1 : best_lo;
-      }
-    }
-  }
-  for (int i = 0; i < kLanes; ++i) {
-    lo = std::max(lo, best_lo[i]);
-    hi = std::min(hi, best_hi[i]);
-  }
-}
-
-/// Whether every sample of the row lies within the bound of the plane; false for missing ones too.
-TINTREE_CLONES bool span_within(const RowSpan& span, const RowSteps& steps) {
-  const Lanes iota = {0, 1, 2, 3, 4, 5, 6, 7};
-  const auto n = static_cast<float>(span.n);
-  LaneMask bad = {};
-  for (int i = 0; i < span.n; i += kLanes) {
-    const Lanes at = iota + static_cast<float>(i);
-    Lanes h;
-    std::memcpy(&h, span.heights + i, sizeof h);
-    const Lanes residual = h - (span.plane + at * steps.plane);
-    bad |= (at < n) & ~((residual <= steps.bound) & (residual >= -steps.bound));
-  }
-  int any = 0;
-  for (int i = 0; i < kLanes; ++i) any |= bad[i];
-  return any == 0;
-}
-
 }  // namespace
-
-/// A triangle's height and the hub's weight in it as affine functions, and its outline as half-planes.
-struct SurfaceDistance::Plane {
-  double z0, zx, zy;  // height at (0, 0), its slopes
-  double w0, wx, wy;  // weight at (0, 0), its slopes
-  double area;        // in cells
-  std::array<Point, 3> corner;
-  // The triangle's part of row y runs from max(left[k] + y left_slope[k]) to min(right[k] + y right_slope[k]).
-  std::array<double, 2> left{-kInfinity, -kInfinity};
-  std::array<double, 2> left_slope{};
-  std::array<double, 2> right{kInfinity, kInfinity};
-  std::array<double, 2> right_slope{};
-
-  Plane(const Point& hub, const Point& b, const Point& c) : corner{hub, b, c} {
-    const double scale = 1 / ((hub.x - c.x) * (b.y - c.y) - (b.x - c.x) * (hub.y - c.y));
-    wx = (b.y - c.y) * scale;
-    wy = (c.x - b.x) * scale;
-    w0 = -wx * c.x - wy * c.y;
-    const double ux = (c.y - hub.y) * scale;
-    const double uy = (hub.x - c.x) * scale;
-    const double u0 = -ux * c.x - uy * c.y;
-    zx = wx * (hub.z - c.z) + ux * (b.z - c.z);
-    zy = wy * (hub.z - c.z) + uy * (b.z - c.z);
-    z0 = c.z + w0 * (hub.z - c.z) + u0 * (b.z - c.z);
-    const bool mirrored = scale < 0;
-    area = std::abs(0.5 / scale);
-    std::size_t lefts = 0;
-    std::size_t rights = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Point& p = corner[i];
-      const Point& q = corner[i == 2 ? 0 : i + 1];
-      if (p.y == q.y) continue;
-      const double slope = (q.x - p.x) / (q.y - p.y);
-      const double start = p.x - p.y * slope;
-      if ((q.y < p.y) != mirrored) {
-        left[lefts] = start;
-        left_slope[lefts++] = slope;
-      } else {
-        right[rights] = start;
-        right_slope[rights++] = slope;
-      }
-    }
-  }
-
-  double height(double x, double y) const { return z0 + zx * x + zy * y; }
-  double weight(double x, double y) const { return w0 + wx * x + wy * y; }
-  double min_x() const { return std::min({corner[0].x, corner[1].x, corner[2].x}); }
-  double max_x() const { return std::max({corner[0].x, corner[1].x, corner[2].x}); }
-  double min_y() const { return std::min({corner[0].y, corner[1].y, corner[2].y}); }
-  double max_y() const { return std::max({corner[0].y, corner[1].y, corner[2].y}); }
-
-  std::int64_t first_row() const { return static_cast<std::int64_t>(std::ceil(min_y() - kSnap)); }
-  std::int64_t last_row() const { return static_cast<std::int64_t>(std::floor(max_y() + kSnap)); }
-  /// Whole coordinates of row y, one of the triangle's, inside it.
-  std::int64_t first_in(double y) const {
-    return static_cast<std::int64_t>(
-        std::ceil(std::max(left[0] + y * left_slope[0], left[1] + y * left_slope[1]) - kSnap));
-  }
-  std::int64_t last_in(double y) const {
-    return static_cast<std::int64_t>(
-        std::floor(std::min(right[0] + y * right_slope[0], right[1] + y * right_slope[1]) + kSnap));
-  }
-
-  /// Whether the square lies wholly outside one of the triangle's edges.
-  bool misses(double x0, double y0, double x1, double y1) const {
-    for (std::size_t k = 0; k < 2; ++k) {
-      if (x1 < left[k] + left_slope[k] * (left_slope[k] > 0 ? y0 : y1)) return true;
-      if (x0 > right[k] + right_slope[k] * (right_slope[k] > 0 ? y1 : y0)) return true;
-    }
-    return y1 < min_y() || y0 > max_y();
-  }
-};
 
 double guard_m(double range_m, double bound_m) { return range_m * 0x1p-22 + bound_m * 1e-6; }
 
@@ -252,8 +104,7 @@ namespace {
 
 /// True when the patch alone shows that nothing in its square narrows the interval: with the hub at either
 /// end of it, the triangle's plane stays within the bound of all heights that the patch allows.
-template <typename Plane>
-bool patch_settles(const PlanePatch& patch, double x0, double y0, int cells, const Plane& plane, double bound_m,
+bool patch_settles(const PlanePatch& patch, double x0, double y0, int cells, const TrianglePlane& plane, double bound_m,
                    const HeightInterval& interval) {
   double lowest = kInfinity;
   double highest = -kInfinity;
@@ -279,8 +130,8 @@ enum class Verdict { kSkip, kOpen, kStop };
 /// opened square of the finest size goes to `rows(x0, y0, x1, y1)`, which returns false to stop. False
 /// when the walk was stopped.
 template <typename Settle, typename Rows>
-bool SurfaceDistance::walk_square(int size, std::int64_t x0, std::int64_t y0, const Plane& plane, const Settle& settle,
-                                  const Rows& rows) {
+bool SurfaceDistance::walk_square(int size, std::int64_t x0, std::int64_t y0, const TrianglePlane& plane,
+                                  const Settle& settle, const Rows& rows) {
   const int cells = kPatchCells[static_cast<std::size_t>(size)];
   const auto x = static_cast<double>(x0);
   const auto y = static_cast<double>(y0);
@@ -306,10 +157,10 @@ bool SurfaceDistance::walk_square(int size, std::int64_t x0, std::int64_t y0, co
 
 /// Visits what a triangle covers: a small one goes to `rows` at once, a large one square by square.
 template <typename Settle, typename Rows>
-bool SurfaceDistance::walk(const Plane& plane, const Settle& settle, const Rows& rows) {
-  const auto x0 = static_cast<std::int64_t>(std::ceil(plane.min_x() - kSnap));
+bool SurfaceDistance::walk(const TrianglePlane& plane, const Settle& settle, const Rows& rows) {
+  const auto x0 = static_cast<std::int64_t>(std::ceil(plane.min_x() - kOnGridLine));
   const std::int64_t y0 = plane.first_row();
-  const auto x1 = static_cast<std::int64_t>(std::floor(plane.max_x() + kSnap));
+  const auto x1 = static_cast<std::int64_t>(std::floor(plane.max_x() + kOnGridLine));
   const std::int64_t y1 = plane.last_row();
   const std::int64_t extent = std::max(x1 - x0, y1 - y0);
   if (extent < kLarge) return rows(x0, y0, x1, y1);
@@ -326,8 +177,8 @@ bool SurfaceDistance::walk(const Plane& plane, const Settle& settle, const Rows&
   return true;
 }
 
-void SurfaceDistance::clip_rows(const Plane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1,
-                                double bound_m, HeightInterval& interval) {
+void SurfaceDistance::clip_rows(const TrianglePlane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1,
+                                std::int64_t y1, double bound_m, HeightInterval& interval) {
   constexpr int kBatch = 32;
   std::array<RowSpan, kBatch> spans;
   const RowSteps steps{static_cast<float>(plane.wx), static_cast<float>(plane.zx), static_cast<float>(bound_m),
@@ -370,7 +221,7 @@ void SurfaceDistance::clip_rows(const Plane& plane, std::int64_t x0, std::int64_
   interval.hi = std::min(interval.hi, static_cast<double>(hi));
 }
 
-bool SurfaceDistance::rows_within(const Plane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1,
+bool SurfaceDistance::rows_within(const TrianglePlane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1,
                                   std::int64_t y1, double bound_m) {
   const RowSteps steps{0, static_cast<float>(plane.zx), static_cast<float>(bound_m)};
   const std::int64_t columns = view_->surface().blocks().columns();
@@ -391,7 +242,7 @@ bool SurfaceDistance::rows_within(const Plane& plane, std::int64_t x0, std::int6
   return true;
 }
 
-bool SurfaceDistance::any_sample(const Plane& plane) {
+bool SurfaceDistance::any_sample(const TrianglePlane& plane) {
   const auto settle = [](const PlanePatch& patch, double, double, int) {
     return patch.empty() ? Verdict::kSkip : Verdict::kOpen;
   };
@@ -408,7 +259,7 @@ bool SurfaceDistance::any_sample(const Plane& plane) {
 
 void SurfaceDistance::clip_triangle(const Point& hub, const Point& b, const Point& c, double bound_m,
                                     HeightInterval& interval) {
-  const Plane plane(hub, b, c);
+  const TrianglePlane plane(hub, b, c);
   const auto settle = [&](const PlanePatch& patch, double x0, double y0, int cells) {
     return patch.empty() || patch_settles(patch, x0, y0, cells, plane, bound_m, interval) ? Verdict::kSkip
                                                                                           : Verdict::kOpen;
@@ -420,7 +271,7 @@ void SurfaceDistance::clip_triangle(const Point& hub, const Point& b, const Poin
 }
 
 SurfaceDistance::Fit SurfaceDistance::fit_triangle(const Point& a, const Point& b, const Point& c, double bound_m) {
-  const Plane plane(a, b, c);
+  const TrianglePlane plane(a, b, c);
   const auto settle = [&](const PlanePatch& patch, double x0, double y0, int cells) {
     if (patch.empty()) return Verdict::kStop;
     return patch_settles(patch, x0, y0, cells, plane, bound_m, {0, 0}) ? Verdict::kSkip : Verdict::kOpen;
@@ -454,9 +305,9 @@ namespace {
 /// Height between two samples of a grid line at share f of the way. A share of nothing must not touch its
 /// sample, which may lie beyond the surface's end.
 double between(const float* near, std::ptrdiff_t step, double f) {
-  if (f < kSnap) return static_cast<double>(*near);
+  if (f < kOnGridLine) return static_cast<double>(*near);
   const auto far = static_cast<double>(near[step]);
-  return f > 1 - kSnap ? far : static_cast<double>(*near) + f * (far - static_cast<double>(*near));
+  return f > 1 - kOnGridLine ? far : static_cast<double>(*near) + f * (far - static_cast<double>(*near));
 }
 
 /// Whole numbers from v0 to v1, whichever is larger.
@@ -465,8 +316,8 @@ struct Crossings {
   std::int64_t last;
 
   Crossings(double v0, double v1)
-      : first(static_cast<std::int64_t>(std::ceil(std::min(v0, v1) - kSnap))),
-        last(static_cast<std::int64_t>(std::floor(std::max(v0, v1) + kSnap))) {}
+      : first(static_cast<std::int64_t>(std::ceil(std::min(v0, v1) - kOnGridLine))),
+        last(static_cast<std::int64_t>(std::floor(std::max(v0, v1) + kOnGridLine))) {}
 };
 
 /// Narrows the interval by one point of a spoke, at share t of the way from the hub.
@@ -497,7 +348,7 @@ void SurfaceDistance::clip_spoke_piece(const Point& hub, const Point& b, double 
       const double t = (static_cast<double>(i) - hub.x) * per_column;
       if (!inside(t)) continue;
       const double y = hub.y + t * dy;
-      const double j = std::floor(y + kSnap);
+      const double j = std::floor(y + kOnGridLine);
       const SampleRun run = run_at(i, static_cast<std::int64_t>(j));
       clip_point(t, run.base + between(run.heights, cache::kBlockStride, y - j) - (hub.z + t * dz), bound_m, interval);
     }
@@ -509,7 +360,7 @@ void SurfaceDistance::clip_spoke_piece(const Point& hub, const Point& b, double 
       const double t = (static_cast<double>(j) - hub.y) * per_row;
       if (!inside(t)) continue;
       const double x = hub.x + t * dx;
-      const double i = std::floor(x + kSnap);
+      const double i = std::floor(x + kOnGridLine);
       const SampleRun run = run_at(static_cast<std::int64_t>(i), j);
       clip_point(t, run.base + between(run.heights, 1, x - i) - (hub.z + t * dz), bound_m, interval);
     }
@@ -523,7 +374,7 @@ void SurfaceDistance::clip_spoke_piece(const Point& hub, const Point& b, double 
       const double t = (static_cast<double>(d) - start) * per_diagonal;
       if (!inside(t)) continue;
       const double x = hub.x + t * dx;
-      const double i = std::floor(x + kSnap);
+      const double i = std::floor(x + kOnGridLine);
       const SampleRun run = run_at(static_cast<std::int64_t>(i), static_cast<std::int64_t>(i) - d);
       clip_point(t, run.base + between(run.heights, cache::kBlockStride + 1, x - i) - (hub.z + t * dz), bound_m,
                  interval);
@@ -563,7 +414,7 @@ void SurfaceDistance::walk_spoke(int size, const Point& hub, const Point& b, dou
   const int cells = kPatchCells[static_cast<std::size_t>(size)];
   // On a side of two squares: the one that the spoke goes into.
   const auto square = [cells](double v, double step, std::int64_t origin) {
-    const double global = v + static_cast<double>(origin) + (step < 0 ? -kSnap : kSnap);
+    const double global = v + static_cast<double>(origin) + (step < 0 ? -kOnGridLine : kOnGridLine);
     return static_cast<std::int64_t>(std::floor(global / cells)) * cells - origin;
   };
   const auto leaves_at = [cells](double from, double step, std::int64_t low) {

@@ -3,15 +3,9 @@
 #include <cstdint>
 
 #include "simplify/reference_surface.h"
+#include "simplify/triangle_plane.h"
 
 namespace tintree::simplify {
-
-/// A point over a tile: x eastward and y southward in samples from the tile's north-west sample, z metres.
-struct Point {
-  double x = 0;
-  double y = 0;
-  double z = 0;
-};
 
 /// Heights that a vertex may take, relative to a height that the caller chose. Empty when lo > hi.
 struct HeightInterval {
@@ -57,21 +51,20 @@ class SurfaceDistance {
   Fit fit_triangle(const Point& a, const Point& b, const Point& c, double bound_m);
 
  private:
-  struct Plane;
   struct SampleRun;
   struct Window;
   SampleRun run_at(std::int64_t x, std::int64_t y);
   Window window_over(double x0, double y0, double x1, double y1);
   template <typename Settle, typename Rows>
-  bool walk_square(int size, std::int64_t x0, std::int64_t y0, const Plane& plane, const Settle& settle,
+  bool walk_square(int size, std::int64_t x0, std::int64_t y0, const TrianglePlane& plane, const Settle& settle,
                    const Rows& rows);
   template <typename Settle, typename Rows>
-  bool walk(const Plane& plane, const Settle& settle, const Rows& rows);
-  void clip_rows(const Plane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1, double bound_m,
-                 HeightInterval& interval);
-  bool rows_within(const Plane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1,
+  bool walk(const TrianglePlane& plane, const Settle& settle, const Rows& rows);
+  void clip_rows(const TrianglePlane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1,
+                 double bound_m, HeightInterval& interval);
+  bool rows_within(const TrianglePlane& plane, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1,
                    double bound_m);
-  bool any_sample(const Plane& plane);
+  bool any_sample(const TrianglePlane& plane);
   bool spoke_square_settled(int size, const Point& hub, const Point& b, double t0, double t1, std::int64_t x0,
                             std::int64_t y0, double bound_m, const HeightInterval& interval) const;
   void walk_spoke(int size, const Point& hub, const Point& b, double t0, double t1, double bound_m,

@@ -160,6 +160,12 @@ TEST(BorderRibbon, WhatLiesFarOffDoesNotMoveTheSide) {
   }
 }
 
+TEST(BorderRibbon, NeighboursAgreeOnSamplesThatBlocksRoundApart) {
+  const auto hills = test::rough_hills(4, 1, 0);
+  const auto height = [&](int c, int r) { return c == 300 && r == 40 ? 100000.0 / 3 : 5000 + hills(c, r) / 3; };
+  EXPECT_GT(expect_equal_sides(test::make_exact_terrain(385, 65, height), 64, 0.1).stretches, 0);
+}
+
 TEST(BorderRibbon, APlaneNeedsNoVerticesInside) {
   const Terrain terrain = test::make_terrain(65, 65, [](int c, int r) { return 0.5 * c + 3 * r; });
   const HeightLattice heights{0.25};

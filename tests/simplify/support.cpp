@@ -257,10 +257,13 @@ Terrain read_terrain(const std::string& path) {
 }
 
 Terrain make_terrain(int columns, int rows, const HeightFunction& height) {
+  return make_exact_terrain(columns, rows, [&](int c, int r) { return std::round(height(c, r) * 64) / 64; });
+}
+
+Terrain make_exact_terrain(int columns, int rows, const HeightFunction& height) {
   static int count = 0;
   const std::string path = "/vsimem/terrain" + std::to_string(count++) + ".tif";
-  write_raster(path, {.columns = columns, .rows = rows, .type = SampleType::kFloat32},
-               [&](int c, int r) { return std::round(height(c, r) * 64) / 64; });
+  write_raster(path, {.columns = columns, .rows = rows}, height);
   return read_terrain(path);
 }
 

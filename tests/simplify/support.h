@@ -23,6 +23,8 @@ struct Terrain {
 
 /// Heights are rounded to 1/64 m, so that they pass through 32-bit storage unchanged.
 Terrain make_terrain(int columns, int rows, const HeightFunction& height);
+/// Heights as they are, in double precision.
+Terrain make_exact_terrain(int columns, int rows, const HeightFunction& height);
 Terrain read_terrain(const std::string& path);
 
 /// A hash of the arguments, uniform in [0, 1).

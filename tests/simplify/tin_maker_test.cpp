@@ -56,6 +56,14 @@ TEST(TinMaker, KeepsItsPromisesOnRandomTerrain) {
   }
 }
 
+TEST(TinMaker, KeepsItsPromisesInDoublePrecision) {
+  // Blocks hold heights in single precision, relative to their middle: a tower spoils that of its own and,
+  // along the common samples, that of the next.
+  const auto hills = test::rough_hills(4, 1, 0);
+  const auto height = [&](int c, int r) { return c == 300 && r == 40 ? 100000.0 / 3 : 5000 + hills(c, r) / 3; };
+  expect_sound_tree(test::make_exact_terrain(385, 65, height), 64, 0.1);
+}
+
 TEST(TinMaker, LeavesTwoTrianglesOfAPlane) {
   for (const double slope : {0.0, 0.25, 8.0}) {
     const Terrain terrain = test::make_terrain(257, 257, [=](int c, int r) { return slope * c - 2 * slope * r + 3; });
