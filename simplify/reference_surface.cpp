@@ -97,7 +97,7 @@ PlanePatch make_patch(const HeightBlock& block, int i0, int j0, int cells) {
   return patch;
 }
 
-std::array<double, 2> range_of(const HeightBlock& block, std::uint64_t& valid) {
+std::array<double, 2> range_of(const HeightBlock& block) {
   double low = kInfinity;
   double high = -kInfinity;
   for (int j = 0; j < kBlockSamples; ++j) {
@@ -108,13 +108,17 @@ std::array<double, 2> range_of(const HeightBlock& block, std::uint64_t& valid) {
       high = h > high ? h : high;
     }
   }
-  // Samples on the shared sides belong to the next block, except at the end of the raster; counting
-  // those of the block's own cells is near enough for a total.
-  for (int j = 0; j < cache::kBlockCells; ++j) {
-    const float* line = block.row(j);
-    for (int i = 0; i < cache::kBlockCells; ++i) valid += std::isnan(line[i]) ? 0 : 1;
-  }
   return {low + block.base_m, high + block.base_m};
+}
+
+/// Samples that exist among the first `columns` x `rows` of the block.
+std::uint64_t count_valid(const HeightBlock& block, int columns, int rows) {
+  std::uint64_t valid = 0;
+  for (int j = 0; j < rows; ++j) {
+    const float* line = block.row(j);
+    for (int i = 0; i < columns; ++i) valid += std::isnan(line[i]) ? 0 : 1;
+  }
+  return valid;
 }
 
 bool holds_triangle(const HeightBlock& block) {
@@ -150,7 +154,8 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
   auto out = std::make_unique<ReferenceSurface>();
   out->blocks_ = std::move(blocks);
   const std::int64_t across = out->blocks_->blocks_x();
-  const auto total = static_cast<std::size_t>(across * out->blocks_->blocks_y());
+  const std::int64_t down = out->blocks_->blocks_y();
+  const auto total = static_cast<std::size_t>(across * down);
   out->patches_.resize(total);
   out->ranges_.resize(total);
   std::vector<XXH128_hash_t> hashes(total);
@@ -162,9 +167,12 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
   auto streamed =
       out->blocks_->stream([&](std::int64_t bx, std::int64_t by, const std::shared_ptr<const HeightBlock>& block) {
         const auto at = static_cast<std::size_t>(by * across + bx);
-        tasks.run([&, at, block] {
+        tasks.run([&, at, bx, by, block] {
           out->patches_[at] = make_patches(*block);
-          out->ranges_[at] = range_of(*block, valid[at]);
+          out->ranges_[at] = range_of(*block);
+          // Samples on a shared side count for the next block, if there is one.
+          valid[at] = count_valid(*block, bx + 1 < across ? cache::kBlockCells : kBlockSamples,
+                                  by + 1 < down ? cache::kBlockCells : kBlockSamples);
           surface[at] = holds_triangle(*block) ? 1 : 0;
           hashes[at] = XXH3_128bits_withSeed(block->heights.data(), block->heights.size() * sizeof(float),
                                              static_cast<XXH64_hash_t>(static_cast<std::int64_t>(block->base_m)));
