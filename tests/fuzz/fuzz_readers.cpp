@@ -1,0 +1,63 @@
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+#include <string>
+
+#include "cache/manifest.h"
+#include "cache/tile_bounds.h"
+#include "codec/mesh_codec.h"
+
+namespace {
+
+using namespace tintree;
+
+constexpr std::int64_t kCells = 256;
+
+codec::TreeLayout layout() {
+  codec::TreeLayout l;
+  l.columns = 1500;
+  l.rows = 700;
+  l.leaf_level = codec::TreeLayout::leaf_level_for(l.columns, l.rows, l.tile_cells);
+  l.leaf_error_m = 1;
+  l.z_step_m.assign(static_cast<std::size_t>(l.leaf_level) + 1, 0.25);
+  return l;
+}
+
+/// What decodes and validates has to survive being encoded again.
+void read_payload(std::span<const std::byte> bytes) {
+  const codec::MeshCodec& codec = *codec::find_codec("tin");
+  const auto mesh = codec.decode(bytes);
+  if (!mesh || !codec::validate(*mesh, kCells)) return;
+  if (!mesh->triangles.empty() && !codec.encode(*mesh)) std::abort();
+}
+
+void read_manifest(std::span<const std::byte> bytes) {
+  const auto manifest =
+      cache::Manifest::from_json(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  if (manifest && !cache::Manifest::from_json(manifest->to_json())) std::abort();
+}
+
+void read_bounds(std::span<const std::byte> bytes) {
+  const auto bounds = cache::TileBounds::from_bytes(layout(), bytes);
+  if (bounds && bounds->to_bytes().size() != bytes.size()) std::abort();
+}
+
+}  // namespace
+
+/// The first byte chooses the reader.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const auto bytes = std::as_bytes(std::span(data, size)).subspan(1);
+  switch (data[0] % 3) {
+    case 0:
+      read_payload(bytes);
+      break;
+    case 1:
+      read_manifest(bytes);
+      break;
+    default:
+      read_bounds(bytes);
+  }
+  return 0;
+}
