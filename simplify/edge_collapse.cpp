@@ -238,11 +238,11 @@ bool EdgeCollapse::fit_height(const Candidate& candidate, LatticeVertex& positio
     interval = {-reach, reach};
   }
   // A ribbon is one cell wide on either side of its line: its triangles hold no samples but on their edges.
-  const bool ribbon = spec_.line != CollapseSpec::Line::kAbsent;
-  for (const OuterEdge& e : outer_) {
-    if (ribbon) break;
-    distance_->clip_triangle(hub, point(e.from), point(e.to), spec_.bound_m, interval);
-    if (interval.empty()) return false;
+  if (spec_.line == CollapseSpec::Line::kAbsent) {
+    for (const OuterEdge& e : outer_) {
+      distance_->clip_triangle(hub, point(e.from), point(e.to), spec_.bound_m, interval);
+      if (interval.empty()) return false;
+    }
   }
   for (const std::int32_t s : spokes_) {
     const bool along = line && on_line(mesh_->vertices[at(s)]);
