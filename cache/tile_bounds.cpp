@@ -2,25 +2,14 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
-#include <limits>
+
+#include "codec/float_rounding.h"
 
 namespace tintree::cache {
 namespace {
 
 constexpr std::size_t kRecordBytes = 16;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-float round_down(double v) {
-  const auto f = static_cast<float>(v);
-  return static_cast<double>(f) <= v ? f : std::nextafter(f, -kInfinity);
-}
-
-float round_up(double v) {
-  const auto f = static_cast<float>(v);
-  return static_cast<double>(f) >= v ? f : std::nextafter(f, kInfinity);
-}
 
 std::size_t child_count(const TileNode& node) { return static_cast<std::size_t>(std::popcount(node.child_mask)); }
 
@@ -29,7 +18,8 @@ std::size_t child_count(const TileNode& node) { return static_cast<std::size_t>(
 TileBounds::TileBounds(const codec::TreeLayout& layout, std::span<const TileInfo> tiles) : layout_(layout) {
   nodes_.reserve(tiles.size());
   for (const TileInfo& t : tiles) {
-    nodes_.push_back({t.id, round_down(t.z_min_m), round_up(t.z_max_m), round_up(t.lod_error_m()), 0, 0});
+    nodes_.push_back(
+        {t.id, codec::round_down(t.z_min_m), codec::round_up(t.z_max_m), codec::round_up(t.lod_error_m()), 0, 0});
   }
   for (const TileInfo& t : tiles) {
     if (t.id.level == 0) continue;

@@ -46,6 +46,13 @@ class HalfEdgeMesh {
   /// A half-edge that leaves the vertex; on an outline, the clockwise-most, which has no twin.
   std::int32_t outgoing(std::int32_t vertex) const { return outgoing_[index(vertex)]; }
   bool on_outline(std::int32_t vertex) const { return twin(outgoing(vertex)) == kNone; }
+  /// The counter-clockwise-most half-edge that leaves a vertex on an outline: the outline goes on from the
+  /// far end of previous(it).
+  std::int32_t last_outgoing(std::int32_t vertex) const {
+    std::int32_t h = outgoing(vertex);
+    while (rotate(h) != kNone) h = rotate(h);
+    return h;
+  }
   /// The next half-edge around its origin, counter-clockwise; kNone past an outline.
   std::int32_t rotate(std::int32_t h) const { return twin(previous(h)); }
 

@@ -9,6 +9,8 @@
 #include <tbb/task_group.h>
 #include <xxhash.h>
 
+#include "codec/float_rounding.h"
+
 namespace tintree::simplify {
 namespace {
 
@@ -27,13 +29,6 @@ const HeightBlock& missing_block() {
   }();
   return block;
 }
-
-float round_down(double v) {
-  const auto f = static_cast<float>(v);
-  return static_cast<double>(f) <= v ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
-}
-
-float round_up(double v) { return -round_down(-v); }
 
 /// Least-squares plane through 17 x 17 samples of the square, then the exact residual range over all.
 PlanePatch fit(const HeightBlock& block, int i0, int j0, int cells) {
@@ -78,8 +73,8 @@ PlanePatch fit(const HeightBlock& block, int i0, int j0, int cells) {
     low = std::min(low, row_low);
     high = std::max(high, row_high);
   }
-  patch.low = round_down(low);
-  patch.high = round_up(high);
+  patch.low = codec::round_down(low);
+  patch.high = codec::round_up(high);
   return patch;
 }
 

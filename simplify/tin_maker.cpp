@@ -65,8 +65,7 @@ void TinMaker::settle_side(const StartMesh& start, std::size_t which, const Side
     if (gone == kNone || !mesh_.alive(gone)) continue;
     // The neighbour along the side is one end of the fan of triangles on this side of the line.
     const std::int32_t first = mesh_.outgoing(gone);
-    std::int32_t last = first;
-    while (mesh_.rotate(last) != kNone) last = mesh_.rotate(last);
+    const std::int32_t last = mesh_.last_outgoing(gone);
     for (const std::int32_t h : {first, HalfEdgeMesh::previous(last)}) {
       const std::int32_t kept = h == first ? mesh_.target(h) : mesh_.origin(h);
       const LatticeVertex& from = mesh_.vertices[at(gone)];
@@ -91,8 +90,7 @@ void TinMaker::classify(std::int64_t span) {
       continue;
     }
     const std::int32_t first = mesh_.outgoing(v);
-    std::int32_t last = first;
-    while (mesh_.rotate(last) != kNone) last = mesh_.rotate(last);
+    const std::int32_t last = mesh_.last_outgoing(v);
     const LatticeVertex& a = mesh_.vertices[at(mesh_.target(first))];
     const LatticeVertex& b = mesh_.vertices[at(mesh_.origin(HalfEdgeMesh::previous(last)))];
     const std::int64_t turn = std::int64_t{a.x - here.x} * (b.y - here.y) - std::int64_t{a.y - here.y} * (b.x - here.x);
