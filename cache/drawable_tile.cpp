@@ -42,7 +42,7 @@ std::int16_t to_snorm(double v) { return static_cast<std::int16_t>(std::lround(v
 DrawVertex draw_vertex(const codec::GridVertex& v, const Vector& normal_sum) {
   const double length = std::sqrt(dot(normal_sum, normal_sum));
   const double scale = length > 0 ? 1 / length : 0;
-  return {static_cast<float>(v.x),         static_cast<float>(v.y),        static_cast<std::uint16_t>(v.z), 0,
+  return {static_cast<float>(v.x),         static_cast<float>(v.y),        static_cast<float>(v.z), 0,
           to_snorm(normal_sum[0] * scale), to_snorm(normal_sum[1] * scale)};
 }
 

@@ -13,16 +13,16 @@ namespace tintree::cache {
 /// Sides of a tile's square, as bits: which way the skirt of a border vertex faces.
 enum SkirtSide : std::uint16_t { kSkirtWest = 1, kSkirtEast = 2, kSkirtNorth = 4, kSkirtSouth = 8 };
 
-/// One vertex as a vertex buffer takes it: 16 bytes.
+/// One vertex as a vertex buffer takes it: 20 bytes.
 struct DrawVertex {
   float x = 0;                ///< Address steps east of the tile's north-west corner; exact up to 2^24.
   float y = 0;                ///< Address steps south of it.
-  std::uint16_t z = 0;        ///< Height steps above the tile's height origin.
+  float z = 0;                ///< Height steps above the tile's height origin; exact, the format has 22 bits.
   std::uint16_t skirt = 0;    ///< 0 on the surface; else SkirtSide bits: draw it pushed down and that way.
   std::int16_t normal_x = 0;  ///< Unit normal in the world frame (metres), east part times 32767.
   std::int16_t normal_y = 0;  ///< North part; the up part is positive and follows from the unit length.
 };
-static_assert(sizeof(DrawVertex) == 16);
+static_assert(sizeof(DrawVertex) == 20);
 
 /// A tile ready for upload. Immutable once made.
 struct DrawableTile {

@@ -13,7 +13,7 @@ void describe_vertex(const GlFunctions& gl) {
   using cache::DrawVertex;
   constexpr GLsizei kStride = sizeof(DrawVertex);
   gl.VertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, kStride, offset(offsetof(DrawVertex, x)));
-  gl.VertexAttribPointer(1, 1, GL_UNSIGNED_SHORT, GL_FALSE, kStride, offset(offsetof(DrawVertex, z)));
+  gl.VertexAttribPointer(1, 1, GL_FLOAT, GL_FALSE, kStride, offset(offsetof(DrawVertex, z)));
   gl.VertexAttribIPointer(2, 1, GL_UNSIGNED_SHORT, kStride, offset(offsetof(DrawVertex, skirt)));
   gl.VertexAttribPointer(3, 2, GL_SHORT, GL_TRUE, kStride, offset(offsetof(DrawVertex, normal_x)));
   for (GLuint location = 0; location < 4; ++location) gl.EnableVertexAttribArray(location);

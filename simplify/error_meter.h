@@ -52,7 +52,6 @@ class ErrorMeter {
   MeasuredError measure(const MeasuredMesh& mesh, std::span<const std::uint32_t> which);
 
  private:
-  struct Crossing;
   void paint(const MeasuredMesh& mesh, const codec::Triangle& t);
   void compare(const MeasuredMesh& mesh, MeasuredError& out) const;
   void cross_edge(const MeasuredMesh::Vertex& a, const MeasuredMesh::Vertex& b, bool border, MeasuredError& out) const;

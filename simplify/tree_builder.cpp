@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <mutex>
+#include <atomic>
 #include <optional>
 #include <unordered_set>
 #include <utility>
@@ -84,6 +84,8 @@ MadeTile make_one(TileMaker& maker, const codec::MeshCodec& codec, const cache::
 }  // namespace
 
 Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout) {
+  const auto range = surface.height_range_m(layout.cells({0, 0, 0}));
+  const double farthest = std::max(std::abs(range[0]), std::abs(range[1]));
   std::vector<double> steps;
   double worst = 1;
   double worst_relief = 0;
@@ -93,8 +95,6 @@ Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surfac
     // A vertex may lie off the samples by the bound.
     const double relief = largest_relief(surface, layout, level) + 2 * bound;
     const double step = bound / kStepsPerBound;
-    const auto range = surface.height_range_m(layout.cells({0, 0, 0}));
-    const double farthest = std::max(std::abs(range[0]), std::abs(range[1]));
     const double needed = std::max(relief / step / codec::kMaxHeightAddress, farthest / step / kMaxSteps);
     if (needed > worst) {
       worst = needed;

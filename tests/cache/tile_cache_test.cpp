@@ -153,6 +153,17 @@ TEST(DrawableTile, NormalsAreThoseOfThePlane) {
   }
 }
 
+TEST(DrawableTile, KeepsEveryHeightTheFormatAllows) {
+  const test::AnalyticTree tree;
+  const TileId id{2, 1, 2};
+  codec::TileMesh mesh = tree.mesh(id);
+  mesh.vertices[0].z = codec::kMaxHeightAddress;
+  mesh.vertices[1].z = 65536 + 7;
+  const DrawableTile tile = make_drawable(tree.layout(), id, mesh);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    EXPECT_EQ(tile.vertices[i].z, static_cast<float>(mesh.vertices[i].z));
+}
+
 TEST(DrawableTile, SkirtHangsOnEverySideThatHasANeighbour) {
   const test::AnalyticTree tree;  // 4 x 4 leaves of 32 cells.
   for (const auto& [id, sides] : {std::pair(TileId{2, 0, 0}, 2), std::pair(TileId{2, 1, 2}, 4),
@@ -171,9 +182,7 @@ TEST(DrawableTile, SkirtSharesPlaceAndNormalWithItsBorder) {
   const TileId id{1, 0, 0};
   const DrawableTile tile = make_drawable(tree.layout(), id, tree.mesh(id));
   std::set<std::tuple<float, float, int, int, int>> surface;
-  const auto place = [](const DrawVertex& v) {
-    return std::tuple(v.x, v.y, int{v.z}, int{v.normal_x}, int{v.normal_y});
-  };
+  const auto place = [](const DrawVertex& v) { return std::tuple(v.x, v.y, v.z, int{v.normal_x}, int{v.normal_y}); };
   for (const DrawVertex& v : tile.vertices) {
     if (v.skirt == 0) surface.insert(place(v));
   }
