@@ -1,0 +1,50 @@
+"""scripts/bench build: tintree-build beside what else one could use. See scripts/bench --help."""
+import argparse
+import platform
+import sys
+from pathlib import Path
+
+import memory
+import quality
+import speed
+import trees
+from programs import CACHE, ROOT
+from results import PATH, Results
+
+TABLES = ("quality", "trees", "speed", "memory")
+
+
+def cpu_name():
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    return next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.machine())
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="scripts/bench build", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="small windows, few errors, no slow rivals: minutes")
+    parser.add_argument("--large", action="store_true", help="speed and memory up to 537 M samples too")
+    parser.add_argument("--only", choices=TABLES, action="append", help="this table; may be given again")
+    parser.add_argument("--data", default=ROOT.parent / "shared" / "data", type=Path, help="folder of the DEMs")
+    return parser.parse_args()
+
+
+def main():
+    args = arguments()
+    if not args.data.is_dir():
+        sys.exit(f"scripts/bench: {args.data}: no such folder; name the one with the DEMs of docs/performance.md: --data DIR")
+    CACHE.mkdir(parents=True, exist_ok=True)
+    results = Results()
+    print(f"## scripts/bench build, {results.run}, {cpu_name()}, {platform.system()} {platform.machine()}")
+    runs = {
+        "quality": lambda: quality.run(results, args.data, args.quick),
+        "trees": lambda: trees.run(results, args.data, args.quick),
+        "speed": lambda: speed.run(results, args.data, args.quick, args.large),
+        "memory": lambda: memory.run(results, args.data, args.quick, args.large),
+    }
+    for table in args.only or TABLES:
+        runs[table]()
+        sys.stdout.flush()
+    print(f"\nEvery figure with the command that made it: {PATH.relative_to(ROOT)}, run {results.run}")
+
+
+main()

@@ -1,0 +1,74 @@
+"""Table 1: triangles and bytes at the same error, on one window of each DEM."""
+import tintree
+from datasets import CROPS, crop, whole
+from fitting import largest_within
+from raster_coders import RASTER_CODERS, code
+from results import number, print_table
+from rivals import MESH_RIVALS, measure, simplify
+
+#: Ours: name, options, what is compared.
+CUTS = {"one tile": ["--tile", "1024"], "default tiles": []}
+
+
+def run(results, data, quick):
+    for name in CROPS:
+        spacing = whole(data, name).mean_spacing_m
+        raster = crop(data, name)
+        for spacings in (0.5, 1) if quick else (0.1, 0.2, 0.5, 1):
+            for method, figures in _rows(raster, spacings * spacing, quick):
+                bits = 8 * figures["bytes"] / raster.samples
+                results.add("quality", data=raster.name, spacings=spacings, error_m=spacings * spacing, method=method,
+                            bits_per_sample=bits, **figures)
+    print_tables(results)
+
+
+def _rows(raster, error_m, quick):
+    for effort, options in tintree.efforts().items():
+        for cut, tile in CUTS.items():
+            yield f"tintree {effort}, {cut}", _ours(raster, error_m, [*options, *tile])
+    for rival in MESH_RIVALS:
+        if rival.slow and quick:
+            continue
+        asked = simplify(rival, raster, error_m)
+        yield rival.name, asked
+        if rival.fit and asked["samples_max_m"] > error_m:
+            fitted = largest_within(lambda e, r=rival: simplify(r, raster, e), error_m, error_m / 2, error_m / 256, error_m, 7)
+            if fitted:
+                yield f"{rival.name}, fitted", fitted
+    for name in RASTER_CODERS:
+        yield name, code(name, raster, error_m)
+
+
+def _ours(raster, error_m, options):
+    """The leaf level: its mesh by the common meter, its bytes as stored."""
+    report, cost = tintree.build(raster, "--error", repr(error_m), "--threads", "1", *options)
+    leaves = report["levels"][-1]
+    mesh, _ = tintree.export(leaves["level"])
+    measured = measure(raster, mesh, 0)
+    return {"asked_m": error_m, **measured, "bytes": leaves["bytes"], "seconds": leaves["thread_seconds"],
+            "command": cost.command}
+
+
+def print_tables(results):
+    records = results.of("quality")
+    for key in dict.fromkeys((r["data"], r["spacings"], r["error_m"]) for r in records):
+        rows = [r for r in records if (r["data"], r["spacings"], r["error_m"]) == key]
+        delatin = next(r["triangles"] for r in rows if r["method"] == "delatin")
+        print_table(f"{key[0]}, error {key[1]:g} spacings = {key[2]:.5g} m", _HEADER, [_cells(r, delatin) for r in rows])
+    note = tintree.missing_efforts()
+    if note:
+        print(f"\n{note}")
+
+
+_HEADER = ["method", "asked m", "max at samples m", "max of surface m", "RMS m", "triangles", "/ delatin", "bytes",
+           "bits a sample", "s", "remarks"]
+
+
+def _cells(r, delatin):
+    remarks = [f"{number(r[key])} {what}" for key, what in (("uncovered_samples", "samples uncovered"),
+                                                            ("folded_triangles", "triangles folded or flat")) if r.get(key)]
+    triangles = r.get("triangles")
+    over = lambda m: f"**{number(m)}**" if m > r["error_m"] * (1 + 1e-9) else number(m)
+    return [r["method"], number(r.get("asked_m")), over(r["samples_max_m"]), over(r["surface_max_m"]), number(r["rms_m"]),
+            number(triangles), f"{triangles / delatin:.3f}" if triangles else None, number(r["bytes"]),
+            number(r["bits_per_sample"]), number(r["seconds"], 3), "; ".join(remarks)]
