@@ -35,7 +35,7 @@ class MeshRival:
     name: str
     make: Callable  # (raster, error asked in metres, PLY to write) -> Cost; prints {"seconds": ...}
     fit: bool = False  # also ask for less until the true error at the samples is within the bound
-    slow: bool = False  # left out by --quick
+    slow: bool = False  # measured at one error only, and not by --quick
     height_step: Callable = lambda error_m: 1.0  # vertices lie at samples, whose heights are whole metres
 
 
