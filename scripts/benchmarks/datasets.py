@@ -73,7 +73,7 @@ def crop(data, name, columns=CROP_SIDE, rows=CROP_SIDE):
 
 def raw_heights(raster):
     """The samples as 32-bit floats, for the programs that take an array."""
-    path = raster.path.with_suffix(".f32")
+    path = CACHE / f"{raster.path.stem}.f32"
     if not path.exists():
         raster.heights()[0].astype(np.float32).tofile(path)
     return path
