@@ -26,11 +26,22 @@ def arguments():
     parser.add_argument("--large", action="store_true", help="speed and memory up to 537 M samples too")
     parser.add_argument("--only", choices=TABLES, action="append", help="this table; may be given again")
     parser.add_argument("--data", default=ROOT.parent / "shared" / "data", type=Path, help="folder of the DEMs")
+    parser.add_argument("--show", metavar="RUN", help="measure nothing; print the tables of an earlier run (its start, 2026-01-31T12:00:00)")
     return parser.parse_args()
+
+
+def show(run):
+    results = Results(run)
+    for table, module in (("quality", quality), ("trees", trees), ("speed", speed), ("memory", memory)):
+        if results.of(table):
+            module.print_tables(results)
 
 
 def main():
     args = arguments()
+    if args.show:
+        show(args.show)
+        return
     if not args.data.is_dir():
         sys.exit(f"scripts/bench: {args.data}: no such folder; name the one with the DEMs of docs/performance.md: --data DIR")
     CACHE.mkdir(parents=True, exist_ok=True)

@@ -21,9 +21,9 @@ def run(results, data, quick):
         raster = crop(data, name)
         for spacings in QUICK_ERRORS if quick else ERRORS:
             for method, figures in _rows(raster, spacings * spacing, not quick and spacings == SLOW_RIVALS_ERROR):
-                bits = 8 * figures["bytes"] / raster.samples
-                results.add("quality", data=raster.name, spacings=spacings, error_m=spacings * spacing, method=method,
-                            bits_per_sample=bits, **figures)
+                if "bytes" in figures:
+                    figures["bits_per_sample"] = 8 * figures["bytes"] / raster.samples
+                results.add("quality", data=raster.name, spacings=spacings, error_m=spacings * spacing, method=method, **figures)
     print_tables(results)
 
 
@@ -37,9 +37,8 @@ def _rows(raster, error_m, slow_too):
         asked = simplify(rival, raster, error_m)
         yield rival.name, asked
         if rival.fit and asked["samples_max_m"] > error_m:
-            fitted = largest_within(lambda e, r=rival: simplify(r, raster, e), error_m, error_m / 2, error_m / 256, error_m, 7)
-            if fitted:
-                yield f"{rival.name}, fitted", fitted
+            fitted = largest_within(lambda e, r=rival: simplify(r, raster, e), error_m, error_m / 2, error_m / 256, error_m, 8)
+            yield f"{rival.name}, fitted", fitted or {"remark": "beyond the error whatever was asked"}
     for name in RASTER_CODERS:
         yield name, code(name, raster, error_m)
 
@@ -60,7 +59,7 @@ def print_tables(results):
     records = results.of("quality")
     for key in dict.fromkeys((r["data"], r["spacings"], r["error_m"]) for r in records):
         rows = [r for r in records if (r["data"], r["spacings"], r["error_m"]) == key]
-        delatin = next(r["triangles"] for r in rows if r["method"] == "delatin")
+        delatin = next((r["triangles"] for r in rows if r["method"] == "delatin"), None)
         print_table(f"{key[0]}, error {key[1]:g} spacings = {key[2]:.5g} m", _HEADER, [_cells(r, delatin) for r in rows])
     note = tintree.missing_efforts()
     if note:
@@ -69,6 +68,8 @@ def print_tables(results):
 
 def _beyond(r, key):
     """In bold where it exceeds the error."""
+    if key not in r:
+        return None
     return f"**{number(r[key])}**" if r[key] > r["error_m"] * (1 + 1e-9) else number(r[key])
 
 
@@ -79,7 +80,8 @@ _HEADER = ["method", "asked m", "max at samples m", "max of surface m", "RMS m",
 def _cells(r, delatin):
     remarks = [f"{number(r[key])} {what}" for key, what in (("uncovered_samples", "samples uncovered"),
                                                             ("folded_triangles", "triangles folded or flat")) if r.get(key)]
+    remarks += [r["remark"]] if "remark" in r else []
     triangles = r.get("triangles")
-    return [r["method"], number(r.get("asked_m")), _beyond(r, "samples_max_m"), _beyond(r, "surface_max_m"), number(r["rms_m"]),
-            number(triangles), f"{triangles / delatin:.3f}" if triangles else None, number(r["bytes"]),
-            number(r["bits_per_sample"]), number(r["seconds"], 3), "; ".join(remarks)]
+    return [r["method"], number(r.get("asked_m")), _beyond(r, "samples_max_m"), _beyond(r, "surface_max_m"), number(r.get("rms_m")),
+            number(triangles), f"{triangles / delatin:.3f}" if triangles and delatin else None, number(r.get("bytes")),
+            number(r.get("bits_per_sample")), number(r.get("seconds"), 3), "; ".join(remarks)]

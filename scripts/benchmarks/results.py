@@ -9,8 +9,9 @@ PATH = BENCH / "results.jsonl"
 
 
 class Results:
-    def __init__(self):
-        self.run = time.strftime("%Y-%m-%dT%H:%M:%S")
+    def __init__(self, run=None):
+        """The records of one run, named by its start; a new one by default."""
+        self.run = run or time.strftime("%Y-%m-%dT%H:%M:%S")
 
     def add(self, table, **figures):
         record = {"run": self.run, "table": table, **figures}
