@@ -44,14 +44,15 @@ def _rows(raster, error_m, slow_too):
 
 
 def _ours(raster, error_m, options):
-    """The leaf level: its mesh by the common meter, its bytes as stored."""
+    """The leaf level: its mesh by the common meter, its bytes as stored, its share of the whole processor time."""
     report, cost = tintree.build(raster, "--error", repr(error_m), "--threads", "1", *options)
     leaves = report["levels"][-1]
     mesh, _ = tintree.export(leaves["level"])
     measured = measure(raster, mesh, 0)
     if not math.isclose(measured["surface_max_m"], leaves["vertical_max_m"], rel_tol=1e-9):
         raise RuntimeError(f"two measures disagree: {measured['surface_max_m']} m here, {leaves['vertical_max_m']} m in the tree")
-    return {"asked_m": error_m, **measured, "bytes": leaves["bytes"], "seconds": leaves["thread_seconds"],
+    share = leaves["thread_seconds"] / sum(level["thread_seconds"] for level in report["levels"])
+    return {"asked_m": error_m, **measured, "bytes": leaves["bytes"], "seconds": share * cost.cpu_seconds,
             "command": cost.command}
 
 
