@@ -21,11 +21,16 @@ TileBounds::TileBounds(const codec::TreeLayout& layout, std::span<const TileInfo
     nodes_.push_back(
         {t.id, codec::round_down(t.z_min_m), codec::round_up(t.z_max_m), codec::round_up(t.lod_error_m()), 0, 0});
   }
-  for (const TileInfo& t : tiles) {
-    if (t.id.level == 0) continue;
-    const std::int64_t parent = find(t.id.parent());
-    const auto quadrant = (t.id.x & 1U) | ((t.id.y & 1U) << 1U);
-    if (parent >= 0) nodes_[static_cast<std::size_t>(parent)].child_mask |= static_cast<std::uint8_t>(1U << quadrant);
+  // From the leaves up: a box has to hold all that is drawn in its place, or a walk that stops at it misses peaks.
+  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
+    if (node->id.level == 0) continue;
+    const std::int64_t found = find(node->id.parent());
+    if (found < 0) continue;
+    TileNode& parent = nodes_[static_cast<std::size_t>(found)];
+    const auto quadrant = (node->id.x & 1U) | ((node->id.y & 1U) << 1U);
+    parent.child_mask |= static_cast<std::uint8_t>(1U << quadrant);
+    parent.z_min_m = std::min(parent.z_min_m, node->z_min_m);
+    parent.z_max_m = std::max(parent.z_max_m, node->z_max_m);
   }
   link_children();
 }

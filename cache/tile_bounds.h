@@ -36,8 +36,8 @@ struct Box {
 /// One tile of the hierarchy. Children lie at first_child, in Z-order, those missing left out.
 struct TileNode {
   codec::TileId id;
-  float z_min_m = 0;              ///< Rounded down.
-  float z_max_m = 0;              ///< Rounded up.
+  float z_min_m = 0;              ///< Lowest point of this tile and of all tiles below it, rounded down.
+  float z_max_m = 0;              ///< Highest point of the same, rounded up.
   float lod_error_m = 0;          ///< Rounded up.
   std::uint8_t child_mask = 0;    ///< Bit q: child quadrant q exists.
   std::uint32_t first_child = 0;  ///< Index into nodes(); meaningless when child_mask is 0.
@@ -59,7 +59,7 @@ class TileBounds {
   std::span<const TileNode> nodes() const { return nodes_; }
   /// Index of a tile's node, or -1.
   std::int64_t find(const codec::TileId& id) const;
-  /// The tile's box: its cells of the raster times its height range.
+  /// The tile's box: its cells of the raster times the height range of it and of all tiles below it.
   Box box(const TileNode& node) const;
   const codec::TreeLayout& layout() const { return layout_; }
 

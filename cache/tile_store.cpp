@@ -14,6 +14,7 @@
 #include <xxhash.h>
 
 #include "cache/sqlite_db.h"
+#include "cache/tile_digest.h"
 #include "codec/mesh_codec.h"
 
 namespace tintree::cache {
@@ -42,28 +43,6 @@ constexpr const char* kSelectTile =
 constexpr const char* kSelectAllTiles =
     "SELECT key, vertices, triangles, z_min_m, z_max_m, error_m, rms_m, border_error_m, checksum, payload"
     " FROM tile ORDER BY key";
-
-/// What a tile's checksum and the tree's digest cover besides the payload, little-endian.
-struct TileHead {
-  std::int64_t key;
-  std::uint32_t vertices;
-  std::uint32_t triangles;
-  std::array<double, 5> figures;
-};
-static_assert(sizeof(TileHead) == 56);
-
-TileHead head_of(const TileInfo& info) {
-  return {info.id.key(),
-          info.vertices,
-          info.triangles,
-          {info.z_min_m, info.z_max_m, info.error_m, info.rms_m, info.border_error_m}};
-}
-
-std::int64_t checksum_of(const StoredTile& tile) {
-  const TileHead head = head_of(tile.info);
-  const std::uint64_t payload = XXH3_64bits(tile.payload.data(), tile.payload.size());
-  return static_cast<std::int64_t>(XXH3_64bits_withSeed(&head, sizeof head, payload));
-}
 
 std::int64_t checksum_of(std::span<const std::byte> bytes) {
   return static_cast<std::int64_t>(XXH3_64bits(bytes.data(), bytes.size()));
@@ -99,6 +78,33 @@ Expected<StoredTile> read_tile(const SqliteDb& db, const codec::TileId& id) {
   if (!row) return tl::unexpected(row.error());
   if (!*row) return fail(ErrorCode::kBadData, fmt::format("tile {} is missing", id.text()), db.path());
   return tile_in_row(*statement, db.path());
+}
+
+/// Hands every row to `visit` in key order, its checksum verified.
+template <typename Visit>
+Expected<void> for_each_tile(const SqliteDb& db, const Visit& visit) {
+  auto statement = db.prepare(kSelectAllTiles);
+  if (!statement) return tl::unexpected(statement.error());
+  while (true) {
+    auto row = statement->step();
+    if (!row) return tl::unexpected(row.error());
+    if (!*row) return {};
+    auto tile = tile_in_row(*statement, db.path());
+    if (!tile) return tl::unexpected(tile.error());
+    visit(*tile);
+  }
+}
+
+Expected<std::vector<std::int64_t>> read_keys(const SqliteDb& db) {
+  auto statement = db.prepare("SELECT key FROM tile ORDER BY key");
+  if (!statement) return tl::unexpected(statement.error());
+  std::vector<std::int64_t> keys;
+  while (true) {
+    auto row = statement->step();
+    if (!row) return tl::unexpected(row.error());
+    if (!*row) return keys;
+    keys.push_back(statement->integer(0));
+  }
 }
 
 Expected<std::vector<std::byte>> read_metadata(const SqliteDb& db, const std::string& name) {
@@ -237,6 +243,19 @@ Expected<StoredTile> TileStore::read(const codec::TileId& id) const {
   return read_tile(impl_->db, id);
 }
 
+Expected<std::vector<std::int64_t>> TileStore::keys() const {
+  const std::scoped_lock lock(impl_->turn);
+  return read_keys(impl_->db);
+}
+
+Expected<std::string> TileStore::digest() const {
+  const std::scoped_lock lock(impl_->turn);
+  TreeDigest digest;
+  auto digested = for_each_tile(impl_->db, [&digest](const StoredTile& tile) { digest.add(tile); });
+  if (!digested) return tl::unexpected(digested.error());
+  return digest.text();
+}
+
 Expected<codec::TileMesh> TileStore::read_mesh(const codec::TileId& id) const {
   auto tile = read(id);
   if (!tile) return tl::unexpected(tile.error());
@@ -303,17 +322,7 @@ Expected<TileWriter> TileWriter::resume(const std::string& path, const Manifest&
   return TileWriter(std::move(impl));
 }
 
-Expected<std::vector<std::int64_t>> TileWriter::keys() const {
-  auto statement = impl_->db.prepare("SELECT key FROM tile ORDER BY key");
-  if (!statement) return tl::unexpected(statement.error());
-  std::vector<std::int64_t> keys;
-  while (true) {
-    auto row = statement->step();
-    if (!row) return tl::unexpected(row.error());
-    if (!*row) return keys;
-    keys.push_back(statement->integer(0));
-  }
-}
+Expected<std::vector<std::int64_t>> TileWriter::keys() const { return read_keys(impl_->db); }
 
 Expected<StoredTile> TileWriter::read(const codec::TileId& id) const { return read_tile(impl_->db, id); }
 
@@ -347,28 +356,13 @@ Expected<void> TileWriter::commit() {
 Expected<std::string> TileWriter::finish() {
   if (auto done = commit(); !done) return tl::unexpected(done.error());
   std::vector<TileInfo> tiles;
-  struct Freer {
-    void operator()(XXH3_state_t* s) const { XXH3_freeState(s); }
-  };
-  const std::unique_ptr<XXH3_state_t, Freer> digest(XXH3_createState());
-  XXH3_128bits_reset(digest.get());
-  {
-    auto statement = impl_->db.prepare(kSelectAllTiles);
-    if (!statement) return tl::unexpected(statement.error());
-    while (true) {
-      auto row = statement->step();
-      if (!row) return tl::unexpected(row.error());
-      if (!*row) break;
-      auto tile = tile_in_row(*statement, impl_->db.path());
-      if (!tile) return tl::unexpected(tile.error());
-      const TileHead head = head_of(tile->info);
-      XXH3_128bits_update(digest.get(), &head, sizeof head);
-      XXH3_128bits_update(digest.get(), tile->payload.data(), tile->payload.size());
-      tiles.push_back(tile->info);
-    }
-  }
-  const XXH128_hash_t hash = XXH3_128bits_digest(digest.get());
-  impl_->manifest.digest = fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+  TreeDigest digest;
+  auto digested = for_each_tile(impl_->db, [&](const StoredTile& tile) {
+    digest.add(tile);
+    tiles.push_back(tile.info);
+  });
+  if (!digested) return tl::unexpected(digested.error());
+  impl_->manifest.digest = digest.text();
   impl_->manifest.complete = true;
   const std::vector<std::byte> bounds = TileBounds(impl_->manifest.layout, tiles).to_bytes();
 

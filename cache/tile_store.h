@@ -43,6 +43,12 @@ class TileStore {
   /// The same, decoded and validated: ready for use.
   Expected<codec::TileMesh> read_mesh(const codec::TileId& id) const;
 
+  /// Keys of all rows of the tile table, ascending; in a sound file those of bounds().
+  Expected<std::vector<std::int64_t>> keys() const;
+  /// The tree's digest, made anew from all tiles as they lie in the file; in a sound file manifest().digest.
+  /// kBadData when a tile is damaged.
+  Expected<std::string> digest() const;
+
  private:
   struct Impl;
   explicit TileStore(std::unique_ptr<Impl> impl);

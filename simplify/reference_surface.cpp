@@ -5,10 +5,9 @@
 #include <limits>
 #include <utility>
 
-#include <fmt/format.h>
 #include <tbb/task_group.h>
-#include <xxhash.h>
 
+#include "cache/samples_digest.h"
 #include "codec/float_rounding.h"
 
 namespace tintree::simplify {
@@ -153,7 +152,7 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
   const auto total = static_cast<std::size_t>(across * down);
   out->patches_.resize(total);
   out->ranges_.resize(total);
-  std::vector<XXH128_hash_t> hashes(total);
+  cache::SamplesDigest digest(*out->blocks_);
   std::vector<std::uint64_t> valid(total);
   std::vector<char> surface(total);
   std::uint64_t done = 0;
@@ -169,8 +168,7 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
           valid[at] = count_valid(*block, bx + 1 < across ? cache::kBlockCells : kBlockSamples,
                                   by + 1 < down ? cache::kBlockCells : kBlockSamples);
           surface[at] = holds_triangle(*block) ? 1 : 0;
-          hashes[at] = XXH3_128bits_withSeed(block->heights.data(), block->heights.size() * sizeof(float),
-                                             static_cast<XXH64_hash_t>(static_cast<std::int64_t>(block->base_m)));
+          digest.add(bx, by, *block);
         });
         // Lets no more than a band of blocks pile up.
         if (++done % 32 == 0) tasks.wait();
@@ -182,8 +180,7 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
   if (stopped) return fail(ErrorCode::kStopped, "stopped while reading the DEM, before any tile was made");
   for (const std::uint64_t v : valid) out->valid_samples_ += v;
   out->has_surface_ = std::ranges::find(surface, 1) != surface.end();
-  const XXH128_hash_t all = XXH3_128bits(hashes.data(), hashes.size() * sizeof(XXH128_hash_t));
-  out->digest_ = fmt::format("{:016x}{:016x}", all.high64, all.low64);
+  out->digest_ = digest.text();
   return out;
 }
 

@@ -12,12 +12,15 @@ namespace {
 constexpr std::size_t kPrinted = 10;
 constexpr std::size_t kInJson = 1000;
 
-std::string text_of(const Violation& v) { return fmt::format("tile {}: {}", v.tile.text(), v.message); }
-
 std::vector<Violation> by_severity(const TreeReport& report) {
   std::vector<Violation> sorted = report.violations;
   std::ranges::stable_sort(sorted, std::ranges::greater{}, &Violation::severity);
   return sorted;
+}
+
+/// Null for what concerns the file as a whole.
+nlohmann::ordered_json tile_json(const Violation& v) {
+  return v.tile ? nlohmann::ordered_json(v.tile->text()) : nlohmann::ordered_json();
 }
 
 nlohmann::ordered_json level_json(const LevelReport& l) {
@@ -25,10 +28,14 @@ nlohmann::ordered_json level_json(const LevelReport& l) {
           {"tiles", l.tiles},
           {"vertices", l.vertices},
           {"triangles", l.triangles},
+          {"bytes", l.bytes},
           {"bound_m", l.bound_m},
           {"vertical_max_m", l.vertical_max_m},
           {"vertical_rms_m", l.vertical_rms_m},
+          {"vertical_p999_m", l.vertical_p999_m},
           {"border_max_m", l.border_max_m},
+          {"gap_max_m", l.gap_max_m},
+          {"gap_max_px", l.gap_max_px},
           {"samples", l.samples},
           {"seconds", l.seconds},
           {"violations", l.violations}};
@@ -37,14 +44,15 @@ nlohmann::ordered_json level_json(const LevelReport& l) {
 }  // namespace
 
 std::string report_text(const TreeReport& report) {
-  std::string out =
-      fmt::format("{:>5} {:>8} {:>11} {:>11} {:>11} {:>13} {:>11} {:>11} {:>9} {:>10}\n", "level", "tiles", "vertices",
-                  "triangles", "bound m", "vertical max", "rms m", "border max", "max/bound", "violations");
+  std::string out = fmt::format("{:>5} {:>7} {:>10} {:>10} {:>12} {:>9} {:>10} {:>10} {:>10} {:>10} {:>6} {:>10}\n",
+                                "level", "tiles", "triangles", "bound m", "vertical max", "max/bound", "rms m",
+                                "99.9 % m", "border max", "gap m", "gap px", "violations");
   auto to = std::back_inserter(out);
   for (const LevelReport& l : report.levels) {
-    fmt::format_to(to, "{:>5} {:>8} {:>11} {:>11} {:>11.6g} {:>13.6g} {:>11.6g} {:>11.6g} {:>9.4f} {:>10}\n", l.level,
-                   l.tiles, l.vertices, l.triangles, l.bound_m, l.vertical_max_m, l.vertical_rms_m, l.border_max_m,
-                   l.vertical_max_m / l.bound_m, l.violations);
+    fmt::format_to(
+        to, "{:>5} {:>7} {:>10} {:>10.6g} {:>12.6g} {:>9.4f} {:>10.5g} {:>10.5g} {:>10.5g} {:>10.5g} {:>6.3f} {:>10}\n",
+        l.level, l.tiles, l.triangles, l.bound_m, l.vertical_max_m, l.vertical_max_m / l.bound_m, l.vertical_rms_m,
+        l.vertical_p999_m, l.border_max_m, l.gap_max_m, l.gap_max_px, l.violations);
   }
   for (const HausdorffReport& h : report.hausdorff) {
     fmt::format_to(to,
@@ -55,7 +63,7 @@ std::string report_text(const TreeReport& report) {
   }
   fmt::format_to(to, "{:.1f} s, {:.1f} million samples a second\n", report.seconds, report.samples_per_second / 1e6);
   const std::vector<Violation> sorted = by_severity(report);
-  for (std::size_t i = 0; i < std::min(kPrinted, sorted.size()); ++i) fmt::format_to(to, "{}\n", text_of(sorted[i]));
+  for (std::size_t i = 0; i < std::min(kPrinted, sorted.size()); ++i) fmt::format_to(to, "{}\n", sorted[i].text());
   if (sorted.size() > kPrinted) fmt::format_to(to, "... and {} more (--json lists them)\n", sorted.size() - kPrinted);
   return out;
 }
@@ -63,7 +71,7 @@ std::string report_text(const TreeReport& report) {
 std::string verdict(const TreeReport& report) {
   if (const Violation* worst = report.worst()) {
     const std::size_t n = report.violations.size();
-    return fmt::format("FAIL: {} violation{}; worst: {}", n, n == 1 ? "" : "s", text_of(*worst));
+    return fmt::format("FAIL: {} violation{}; worst: {}", n, n == 1 ? "" : "s", worst->text());
   }
   std::uint64_t tiles = 0;
   double ratio = 0;
@@ -80,7 +88,7 @@ nlohmann::ordered_json report_json(const TreeReport& report) {
   json["verdict"] = report.violations.empty() ? "pass" : "fail";
   json["violations"] = report.violations.size();
   const Violation* worst = report.worst();
-  json["worst_tile"] = worst == nullptr ? nlohmann::ordered_json() : nlohmann::ordered_json(worst->tile.text());
+  json["worst_tile"] = worst == nullptr ? nlohmann::ordered_json() : tile_json(*worst);
   json["levels"] = nlohmann::ordered_json::array();
   for (const LevelReport& l : report.levels) json["levels"].push_back(level_json(l));
   json["hausdorff"] = nlohmann::ordered_json::array();
@@ -96,7 +104,7 @@ nlohmann::ordered_json report_json(const TreeReport& report) {
   const std::vector<Violation> sorted = by_severity(report);
   for (std::size_t i = 0; i < std::min(kInJson, sorted.size()); ++i) {
     json["violation_list"].push_back(
-        {{"tile", sorted[i].tile.text()}, {"kind", kind_name(sorted[i].kind)}, {"message", sorted[i].message}});
+        {{"tile", tile_json(sorted[i])}, {"kind", kind_name(sorted[i].kind)}, {"message", sorted[i].message}});
   }
   json["seconds"] = report.seconds;
   json["samples_per_second"] = report.samples_per_second;

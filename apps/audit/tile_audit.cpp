@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -43,8 +43,6 @@ tbb::enumerable_thread_specific<Workbench>& workbenches() {
   return benches;
 }
 
-Error stopped() { return {ErrorCode::kStopped, "stopped before the audit was complete", {}}; }
-
 /// Runs `work(window, bench)` for windows 0 to count - 1 on all cores and returns the first error.
 template <typename Work>
 std::optional<Error> for_each_window(std::size_t count, const Work& work) {
@@ -64,8 +62,8 @@ std::optional<Error> for_each_window(std::size_t count, const Work& work) {
 
 class TileExamination {
  public:
-  TileExamination(const AuditContext& context, const codec::TileId& id)
-      : context_(context), layout_(context.store.manifest().layout), bound_m_(layout_.bound_m(id.level)) {
+  TileExamination(const AuditContext& context, const codec::TileId& id, ErrorMap* map)
+      : context_(context), layout_(context.store.manifest().layout), bound_m_(layout_.bound_m(id.level)), map_(map) {
     report_.id = id;
   }
 
@@ -118,6 +116,7 @@ class TileExamination {
     report_.present = true;
     report_.vertices = mesh->vertices.size();
     report_.triangles = mesh->triangles.size();
+    report_.bytes = stored->payload.size();
     const TileSurface surface = place(layout_, report_.id, *mesh);
     report_.sides = side_lines(surface);
     Faults topology;
@@ -140,6 +139,7 @@ class TileExamination {
       windows[i].distance =
           bench.measure.measure(surface, bench.window, {bins.triangles(i), bins.edges(i), bins.corners(i)});
       windows[i].coverage = bench.coverage.check(surface, bench.window, bins.edges(i));
+      file(surface, bench.measure.sample_errors(), windows[i].distance.overall);
       return tell(cells);
     });
     if (error) return tl::unexpected(*error);
@@ -155,9 +155,19 @@ class TileExamination {
     return {};
   }
 
+  void file(const TileSurface& surface, const SampleErrors& errors, const Peak& peak) {
+    ErrorHistogram histogram;
+    histogram.add(errors.values_m, bound_m_);
+    {
+      const std::scoped_lock lock(turn_);
+      report_.histogram.add(histogram);
+    }
+    if (map_ != nullptr) map_->add(surface.cells.column0, surface.cells.row0, errors, peak);
+  }
+
   std::optional<Error> tell(const codec::CellRect& cells) const {
     const std::int64_t count = (cells.column1 - cells.column0) * (cells.row1 - cells.row0);
-    return context_.advance(count) ? std::nullopt : std::optional(stopped());
+    return context_.advance(count) ? std::nullopt : std::optional(stopped_error());
   }
 
   void judge_coverage(const TileSurface& surface, Faults faults, std::uint64_t reference_triangles) {
@@ -217,7 +227,7 @@ class TileExamination {
     const double lod_error = std::max(report_.distance.overall.value_m, 2 * report_.distance.border.value_m);
     const double slack = figure_tolerance(lod_error);
     if (node.z_min_m > low.z_m || node.z_max_m < high.z_m || node.lod_error_m < lod_error - slack) {
-      blame(ViolationKind::kStoredFigure,
+      blame(ViolationKind::kHierarchy,
             fmt::format("lies outside its entry in the hierarchy of bounding boxes: heights {:.9g} to {:.9g} m, error "
                         "{:.9g} m, there {:.9g} to {:.9g} m, {:.9g} m",
                         low.z_m, high.z_m, lod_error, node.z_min_m, node.z_max_m, node.lod_error_m),
@@ -228,6 +238,8 @@ class TileExamination {
   const AuditContext& context_;
   const codec::TreeLayout& layout_;
   double bound_m_;
+  ErrorMap* map_;
+  std::mutex turn_;  ///< Guards the report's histogram.
   TileReport report_;
 };
 
@@ -235,8 +247,10 @@ class TileExamination {
 
 double figure_tolerance(double measured) { return kFigureTolerance * (1 + std::abs(measured)); }
 
-Expected<TileReport> audit_tile(const AuditContext& context, const codec::TileId& id) {
-  return TileExamination(context, id).run();
+Error stopped_error() { return {ErrorCode::kStopped, "stopped before the audit was complete", {}}; }
+
+Expected<TileReport> audit_tile(const AuditContext& context, const codec::TileId& id, ErrorMap* map) {
+  return TileExamination(context, id, map).run();
 }
 
 }  // namespace tintree::audit

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "apps/audit/border.h"
+#include "apps/audit/error_histogram.h"
+#include "apps/audit/error_map.h"
 #include "apps/audit/vertical_distance.h"
 #include "apps/audit/violation.h"
 #include "cache/raster_source.h"
@@ -27,16 +29,21 @@ struct TileReport {
   bool empty = false;    ///< The DEM has no surface here, and the tree no tile.
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
+  std::uint64_t bytes = 0;  ///< Of the payload.
   VerticalDistance distance;
+  ErrorHistogram histogram;  ///< Over the samples, against the level's bound.
   std::array<SideLine, 4> sides;
   std::vector<Violation> violations;
 };
 
+/// What every part of an audit says when it was stopped.
+Error stopped_error();
+
 /// Examines one tile of the tree's grid, there or not: file, topology, coverage, vertical distance, and the
 /// figures stored with it. What is wrong with the tile becomes violations; an error means that the audit
 /// itself could not go on (kIo, kStopped). Large tiles are measured window by window on all cores, with
-/// memory for the mesh and one window a thread.
-Expected<TileReport> audit_tile(const AuditContext& context, const codec::TileId& id);
+/// memory for the mesh and one window a thread. `map`: also takes the errors in; may be null.
+Expected<TileReport> audit_tile(const AuditContext& context, const codec::TileId& id, ErrorMap* map = nullptr);
 
 /// The largest difference by which a stored figure may miss the measured one: rounding only.
 double figure_tolerance(double measured);

@@ -12,6 +12,7 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
+#include "apps/audit/file_audit.h"
 #include "apps/audit/hausdorff_probe.h"
 #include "apps/audit/level_walk.h"
 
@@ -30,28 +31,44 @@ class TreeWalk {
 
   Expected<TreeReport> run() {
     const auto begun = std::chrono::steady_clock::now();
-    std::uint64_t samples = 0;
-    std::vector<bool> empty_parents;
-    for (int level = 0; level <= layout_.leaf_level; ++level) {
-      begin_step(fmt::format("Measuring level {} of {}", level, layout_.leaf_level),
-                 static_cast<std::uint64_t>((layout_.columns - 1) * (layout_.rows - 1)));
-      LevelWalk walk(context_, level, [&](const codec::TileId& id) {
-        return level > 0 && empty_parents[std::size_t{id.y >> 1} * layout_.tiles_x(level - 1) + (id.x >> 1)];
-      });
-      auto report = walk.run(report_.violations);
-      if (!report) return tl::unexpected(report.error());
-      empty_parents = walk.empty();
-      samples += report->samples;
-      report_.levels.push_back(*report);
+    begin_step("Comparing digests", static_cast<std::uint64_t>((layout_.columns - 1) * (layout_.rows - 1)));
+    auto of_file = audit_file(context_);
+    if (!of_file) return tl::unexpected(of_file.error());
+    report_.violations = *of_file;
+    if (auto done = walk_levels(); !done) return tl::unexpected(done.error());
+    for (const Violation& v : *of_file) {
+      if (v.tile) ++report_.levels[static_cast<std::size_t>(v.tile->level)].violations;
     }
-    const std::chrono::duration<double> measuring = std::chrono::steady_clock::now() - begun;
-    report_.samples_per_second = static_cast<double>(samples) / measuring.count();
     if (auto done = probe(); !done) return tl::unexpected(done.error());
     report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     return std::move(report_);
   }
 
  private:
+  Expected<void> walk_levels() {
+    const auto begun = std::chrono::steady_clock::now();
+    std::uint64_t samples = 0;
+    std::vector<bool> empty_parents;
+    std::vector<LevelLines> coarser;
+    for (int level = 0; level <= layout_.leaf_level; ++level) {
+      begin_step(fmt::format("Measuring level {} of {}", level, layout_.leaf_level),
+                 static_cast<std::uint64_t>((layout_.columns - 1) * (layout_.rows - 1)));
+      const auto under_empty = [&](const codec::TileId& id) {
+        return level > 0 && empty_parents[std::size_t{id.y >> 1} * layout_.tiles_x(level - 1) + (id.x >> 1)];
+      };
+      LevelWalk walk(context_, level, coarser, under_empty, options_.map_px);
+      auto report = walk.run(report_);
+      if (!report) return tl::unexpected(report.error());
+      empty_parents = walk.empty();
+      coarser.push_back(walk.take_lines());
+      samples += report->samples;
+      report_.levels.push_back(*report);
+    }
+    const std::chrono::duration<double> measuring = std::chrono::steady_clock::now() - begun;
+    report_.samples_per_second = static_cast<double>(samples) / measuring.count();
+    return {};
+  }
+
   bool advance(std::int64_t cells) {
     const std::uint64_t done = done_ += static_cast<std::uint64_t>(cells);
     if (options_.progress) options_.progress(step_, std::min(done, total_), total_);
@@ -87,7 +104,7 @@ class TreeWalk {
     begin_step("CGAL's Hausdorff distance", tiles.size());
     tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t i) {
       if (options_.stop && options_.stop()) {
-        found[i] = fail(ErrorCode::kStopped, "stopped before the audit was complete");
+        found[i] = tl::unexpected(stopped_error());
         return;
       }
       found[i] = probe_tile(context_, tiles[i], kSeed + i);

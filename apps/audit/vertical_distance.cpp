@@ -190,21 +190,58 @@ void VerticalMeasure::scan(const TileSurface& s, const HeightWindow& window, con
   }
 }
 
-void VerticalMeasure::compare_samples(const HeightWindow& window, VerticalDistance& out) const {
+namespace {
+
+/// What one row of samples adds up to.
+struct RowSums {
+  double squares = 0;
+  double largest = 0;
+  std::uint64_t samples = 0;
+};
+
+/// Turns mesh heights into distances. Sums in lanes, which the compiler can keep in one register.
+RowSums compare_row(const double* reference, double* mesh, std::int64_t count) {
+  constexpr std::int64_t kLanes = 4;
+  std::array<double, kLanes> squares{};
+  std::array<double, kLanes> largest{};
+  std::array<double, kLanes> samples{};
+  const auto take = [&](std::int64_t i, std::size_t lane) {
+    const double d = std::abs(mesh[i] - reference[i]);
+    mesh[i] = d;
+    const bool there = d >= 0;
+    const double counted = there ? d : 0;
+    squares[lane] += counted * counted;
+    largest[lane] = counted > largest[lane] ? counted : largest[lane];
+    samples[lane] += there ? 1 : 0;
+  };
+  std::int64_t i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) take(i + static_cast<std::int64_t>(lane), lane);
+  }
+  for (; i < count; ++i) take(i, 0);
+  RowSums sums;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    sums.squares += squares[lane];
+    sums.largest = std::max(sums.largest, largest[lane]);
+    sums.samples += static_cast<std::uint64_t>(samples[lane]);
+  }
+  return sums;
+}
+
+}  // namespace
+
+void VerticalMeasure::compare_samples(const HeightWindow& window, VerticalDistance& out) {
   const codec::CellRect& w = window.cells();
   for (std::int64_t j = 0; j < own_rows_; ++j) {
-    const double* reference = window.row(w.row0 + j) + w.column0;
-    const double* mesh = mesh_heights_.data() + j * own_columns_;
-    for (std::int64_t i = 0; i < own_columns_; ++i) {
-      const double d = mesh[i] - reference[i];
-      if (std::isnan(d)) continue;
-      ++out.samples;
-      out.sum_squares_m2 += d * d;
-      if (std::abs(d) > out.overall.value_m) {
-        out.overall = {std::abs(d), static_cast<double>(w.column0 + i), static_cast<double>(w.row0 + j)};
-      }
-    }
+    double* mesh = mesh_heights_.data() + j * own_columns_;
+    const RowSums row = compare_row(window.row(w.row0 + j) + w.column0, mesh, own_columns_);
+    out.samples += row.samples;
+    out.sum_squares_m2 += row.squares;
+    if (row.largest <= out.overall.value_m) continue;
+    const std::int64_t at = std::find(mesh, mesh + own_columns_, row.largest) - mesh;
+    out.overall = {row.largest, static_cast<double>(w.column0 + at), static_cast<double>(w.row0 + j)};
   }
+  errors_ = {w.column0, w.row0, own_columns_, own_rows_, mesh_heights_};
 }
 
 VerticalDistance VerticalMeasure::measure(const TileSurface& surface, const HeightWindow& window,

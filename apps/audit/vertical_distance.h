@@ -34,6 +34,15 @@ struct VerticalDistance {
   void add(const VerticalDistance& other);
 };
 
+/// Distances at the samples of one window, row-major; NaN where one of the surfaces is missing.
+struct SampleErrors {
+  std::int64_t column0 = 0;  ///< Of the first sample, tile-local.
+  std::int64_t row0 = 0;
+  std::int64_t columns = 0;
+  std::int64_t rows = 0;
+  std::span<const double> values_m;
+};
+
 /// The parts of a mesh that matter to one window.
 struct WindowParts {
   std::span<const std::uint32_t> triangles;
@@ -49,18 +58,21 @@ struct WindowParts {
 /// On every cell of the overlay of the two triangulations both surfaces are planar, so their largest
 /// vertical distance lies on a corner of the overlay: a sample, a mesh vertex, or a crossing of a mesh
 /// edge with a row, a column or a diagonal of the grid. All of them are visited, in double precision.
-/// About 10 ns a sample.
+/// About 6 ns a sample and 0.1 us an edge.
 class VerticalMeasure {
  public:
   VerticalDistance measure(const TileSurface& surface, const HeightWindow& window, const WindowParts& parts);
+  /// The distances at the samples that the last measure() compared; valid until the next one.
+  const SampleErrors& sample_errors() const { return errors_; }
 
  private:
   void scan(const TileSurface& surface, const HeightWindow& window, const codec::Triangle& triangle);
-  void compare_samples(const HeightWindow& window, VerticalDistance& out) const;
+  void compare_samples(const HeightWindow& window, VerticalDistance& out);
 
   std::int64_t own_columns_ = 0;  ///< Samples of the window along x and y.
   std::int64_t own_rows_ = 0;
-  std::vector<double> mesh_heights_;
+  std::vector<double> mesh_heights_;  ///< Once compared: the distances.
+  SampleErrors errors_;
 };
 
 }  // namespace tintree::audit

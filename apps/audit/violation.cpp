@@ -6,6 +6,10 @@ const char* kind_name(ViolationKind kind) {
   switch (kind) {
     case ViolationKind::kFile:
       return "file";
+    case ViolationKind::kManifest:
+      return "manifest";
+    case ViolationKind::kHierarchy:
+      return "hierarchy";
     case ViolationKind::kMissingTile:
       return "missing_tile";
     case ViolationKind::kExtraTile:
@@ -16,14 +20,20 @@ const char* kind_name(ViolationKind kind) {
       return "coverage";
     case ViolationKind::kBorder:
       return "border";
+    case ViolationKind::kGap:
+      return "gap";
     case ViolationKind::kBound:
       return "bound";
     case ViolationKind::kStoredFigure:
       return "stored_figure";
     case ViolationKind::kHausdorff:
       return "hausdorff";
+    case ViolationKind::kImage:
+      return "image";
   }
   return "unknown";
 }
+
+std::string Violation::text() const { return (tile ? "tile " + tile->text() : std::string("file")) + ": " + message; }
 
 }  // namespace tintree::audit

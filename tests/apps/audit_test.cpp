@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sqlite3.h>
+#include <xxhash.h>
 
 #include "tests/support/naive_measure.h"
 #include "tests/support/regular_tree.h"
@@ -65,6 +67,106 @@ class AuditTest : public testing::Test {
     info.border_error_m = f.border_error_m;
     info.z_min_m = f.z_min_m;
     info.z_max_m = f.z_max_m;
+  }
+
+  /// Expects a violation of the file as a whole.
+  void expect_file_found(const std::string& what) const {
+    const std::string report = dir_.file("report.json");
+    const ProgramResult r = audit({"--hausdorff-tiles", "0", "--json", report});
+    EXPECT_EQ(r.exit_code, 1) << r.all();
+    EXPECT_NE(r.err.find("file: "), std::string::npos) << r.err;
+    const json found = json::parse(read_file(report));
+    EXPECT_TRUE(found.at("worst_tile").is_null());
+    EXPECT_EQ(found.at("violation_list")[0].at("kind"), what) << found.at("violation_list").dump(1);
+    EXPECT_TRUE(found.at("violation_list")[0].at("tile").is_null());
+  }
+
+  void change_file(const std::string& sql, const std::string& blob = {}) const {
+    sqlite3* db = nullptr;
+    ASSERT_EQ(sqlite3_open(path_.c_str(), &db), SQLITE_OK);
+    sqlite3_stmt* statement = nullptr;
+    ASSERT_EQ(sqlite3_prepare_v2(db, sql.c_str(), -1, &statement, nullptr), SQLITE_OK) << sqlite3_errmsg(db);
+    if (!blob.empty()) {
+      sqlite3_bind_blob(statement, 1, blob.data(), static_cast<int>(blob.size()), SQLITE_STATIC);
+      sqlite3_bind_int64(statement, 2, static_cast<sqlite3_int64>(XXH3_64bits(blob.data(), blob.size())));
+    }
+    ASSERT_EQ(sqlite3_step(statement), SQLITE_DONE) << sqlite3_errmsg(db);
+    sqlite3_finalize(statement);
+    sqlite3_close(db);
+  }
+
+  /// A float of one tile's record in the hierarchy of boxes, to be changed.
+  struct BoundsChange {
+    codec::TileId id;
+    std::size_t offset = 0;  ///< In the record of 16 bytes.
+    float value = 0;
+  };
+
+  /// Changes the written file's hierarchy, checksum and all, and expects the audit to notice.
+  void expect_bounds_found(const BoundsChange& change, const codec::TileId& id, const std::string& what) const {
+    std::vector<cache::TileInfo> infos;
+    for (const cache::StoredTile& t : tree_.tiles) infos.push_back(t.info);
+    const cache::TileBounds bounds(tree_.manifest.layout, infos);
+    const std::vector<std::byte> bytes = bounds.to_bytes();
+    std::string blob(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    std::memcpy(blob.data() + 16 * static_cast<std::size_t>(bounds.find(change.id)) + change.offset, &change.value, 4);
+    change_file("UPDATE metadata SET value = ?, checksum = ? WHERE name = 'bounds'", blob);
+    expect_found_in_file(id, what);
+  }
+
+  /// |mesh - DEM| at every sample that a tile of the level covers, by point location.
+  std::vector<double> sample_errors(int level) const {
+    const HeightGrid grid = read_grid(dem_);
+    std::vector<double> errors;
+    for (const cache::StoredTile& tile : tree_.tiles) {
+      if (tile.info.id.level != level) continue;
+      const codec::CellRect cells = tree_.manifest.layout.cells(tile.info.id);
+      for (std::int64_t r = cells.row0; r <= cells.row1; ++r) {
+        for (std::int64_t c = cells.column0; c <= cells.column1; ++c) {
+          errors.push_back(
+              std::abs(mesh_height(tile.info.id, static_cast<double>(c), static_cast<double>(r)) - grid.at(c, r)));
+        }
+      }
+    }
+    return errors;
+  }
+
+  double mesh_height(const codec::TileId& id, double column, double row) const {
+    const codec::TileMesh mesh = tree_.mesh(id);
+    const codec::GridFrame frame(tree_.manifest.layout, id, mesh);
+    for (const codec::Triangle& t : mesh.triangles) {
+      std::array<std::array<double, 3>, 3> p{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const codec::GridVertex& v = mesh.vertices[t[k]];
+        p[k] = {frame.column(v.x), frame.row(v.y), frame.height_m(v.z)};
+      }
+      const auto side = [&](std::size_t a, std::size_t b) {
+        return (p[b][0] - p[a][0]) * (row - p[a][1]) - (p[b][1] - p[a][1]) * (column - p[a][0]);
+      };
+      const std::array<double, 3> sides{side(0, 1), side(1, 2), side(2, 0)};
+      // Rows run southward: counter-clockwise from above is clockwise here.
+      if (std::ranges::max(sides) <= 1e-9) return plane_height(p, column, row);
+    }
+    return kMissing;
+  }
+
+  /// The largest distance between leaves and level 1 along the line between the two tiles of level 1 side by
+  /// side, and along the one between those one above the other, in eighths of a sample.
+  double leaf_gap() const {
+    const codec::TreeLayout& layout = tree_.manifest.layout;
+    double gap = 0;
+    const auto compare = [&](const codec::TileId& coarse, const codec::TileId& fine, double column, double row) {
+      gap = std::max(gap, std::abs(mesh_height(coarse, column, row) - mesh_height(fine, column, row)));
+    };
+    for (double k = 0; k <= static_cast<double>(layout.rows - 1); k += 0.5) {
+      const auto y = static_cast<std::uint32_t>(std::min(k, static_cast<double>(layout.rows - 2))) / 16;
+      compare({1, 0, y / 2}, {2, 2, y}, 32, k);
+    }
+    for (double k = 0; k <= static_cast<double>(layout.columns - 1); k += 0.5) {
+      const auto x = static_cast<std::uint32_t>(std::min(k, static_cast<double>(layout.columns - 2))) / 16;
+      compare({1, x / 2, 0}, {2, x, 2}, k, 32);
+    }
+    return gap;
   }
 
   /// An inner vertex of the tile, moved up.
@@ -192,6 +294,85 @@ TEST_F(AuditTest, FindsAWrongStoredError) {
   expect_found(id, "stored_figure");
 }
 
+TEST_F(AuditTest, FindsABoxThatDoesNotHoldItsTile) {
+  const codec::TileId id{2, 1, 0};
+  write_tree(path_, tree_);
+  expect_bounds_found({id, 0, static_cast<float>(tree_.tile(id).info.z_min_m + 0.5)}, id, "hierarchy");
+  // Understating the error would let a viewer take the tile from too near.
+  write_tree(path_, tree_);
+  expect_bounds_found({id, 8, static_cast<float>(tree_.tile(id).info.error_m / 2)}, id, "hierarchy");
+}
+
+TEST_F(AuditTest, FindsABoxThatReachesOutOfItsParents) {
+  const codec::TileId id{2, 2, 2};
+  write_tree(path_, tree_);
+  expect_bounds_found({id, 4, 1e5F}, id, "hierarchy");
+}
+
+TEST_F(AuditTest, FindsARowThatIsNoTile) {
+  write_tree(path_, tree_);
+  change_file(
+      "INSERT INTO tile SELECT key + 77, vertices, triangles, z_min_m, z_max_m, error_m, rms_m, border_error_m,"
+      " checksum, payload FROM tile WHERE key = 0");
+  expect_file_found("file");
+}
+
+TEST_F(AuditTest, FindsAnotherDigestThanTheManifests) {
+  tree_.manifest.samples_digest = "00112233445566778899aabbccddeeff";
+  write_tree(path_, tree_);
+  expect_file_found("manifest");
+}
+
+/// Heights that differ by less than any tolerance are other heights all the same.
+TEST_F(AuditTest, FindsThatTheDemIsNotTheOneGiven) {
+  write_tree(path_, tree_);
+  write_raster(dem_, {.columns = 50, .rows = 41, .dx = 10, .dy = 10},
+               [](int c, int r) { return hills(c, r) + (c == 7 && r == 9 ? 1e-5 : 0); });
+  expect_file_found("manifest");
+}
+
+/// Leaves and their parents that drift apart along their common lines, each true to its own figures.
+TEST_F(AuditTest, FindsAGapBetweenLevels) {
+  tree_ = make_regular_tree(dem_, {.tile_cells = 16, .leaf_error_m = 50});
+  for (cache::StoredTile& tile : tree_.tiles) {
+    if (tile.info.id.level != 1) continue;
+    codec::TileMesh mesh = tree_.mesh(tile.info.id);
+    mesh.z_offset += static_cast<std::int64_t>(10 / tree_.manifest.layout.z_step_m[1]);
+    tree_.set_mesh(tile.info.id, mesh);
+    measure_again(tile.info.id);
+    tile.info.border_error_m = tile.info.error_m = 1;
+  }
+  expect_found({2, 2, 1}, "gap");
+}
+
+TEST_F(AuditTest, MeasuresTheGapBetweenLevels) {
+  write_tree(path_, tree_);
+  const std::string report = dir_.file("report.json");
+  EXPECT_EQ(audit({"--json", report}).exit_code, 0);
+  const json found = json::parse(read_file(report));
+  EXPECT_EQ(found.at("levels")[0].at("gap_max_m"), 0);
+  EXPECT_EQ(found.at("levels")[1].at("gap_max_m"), 0) << "the root has no neighbour";
+  EXPECT_NEAR(found.at("levels")[2].at("gap_max_m").get<double>(), leaf_gap(), 1e-9);
+  EXPECT_GT(leaf_gap(), 0.1);
+  EXPECT_LE(found.at("levels")[2].at("gap_max_px").get<double>(), 1);
+}
+
+TEST_F(AuditTest, MeasuresTheQuantileOfTheErrors) {
+  write_tree(path_, tree_);
+  const std::string report = dir_.file("report.json");
+  EXPECT_EQ(audit({"--json", report}).exit_code, 0);
+  const json found = json::parse(read_file(report));
+  for (int level = 0; level <= 2; ++level) {
+    std::vector<double> errors = sample_errors(level);
+    std::ranges::sort(errors);
+    const double exact = errors[static_cast<std::size_t>(std::ceil(0.999 * static_cast<double>(errors.size()))) - 1];
+    const double bin = tree_.manifest.layout.bound_m(level) / 2048;
+    const auto given = found.at("levels")[static_cast<std::size_t>(level)].at("vertical_p999_m").get<double>();
+    EXPECT_GE(given, exact - 1e-9);
+    EXPECT_LE(given, exact + bin + 1e-9);
+  }
+}
+
 TEST_F(AuditTest, FindsADroppedTriangle) {
   const codec::TileId id{2, 0, 2};
   codec::TileMesh mesh = tree_.mesh(id);
@@ -294,7 +475,6 @@ TEST_F(AuditTest, RefusesANewerFormat) {
 
 TEST_F(AuditTest, RefusesUnknownOptions) {
   EXPECT_EQ(audit({"--sideways"}).exit_code, 2);
-  EXPECT_EQ(audit({"--report", dir_.path()}).exit_code, 2);
   EXPECT_EQ(audit({"--threads", "-1"}).exit_code, 2);
   EXPECT_EQ(run_program(TINTREE_AUDIT, {path_}).exit_code, 2);
 }

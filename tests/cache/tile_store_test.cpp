@@ -76,6 +76,11 @@ TEST_F(TileStoreTest, GivesBackWhatWasPut) {
   EXPECT_EQ(store->path(), path_);
   EXPECT_TRUE(store->manifest().complete);
   EXPECT_EQ(store->manifest().digest.size(), 32U);
+  EXPECT_EQ(store->digest().value(), store->manifest().digest);
+  ASSERT_EQ(store->keys().value().size(), store->bounds().nodes().size());
+  for (std::size_t i = 0; i < store->keys()->size(); ++i) {
+    EXPECT_EQ(store->keys().value()[i], store->bounds().nodes()[i].id.key());
+  }
   ASSERT_EQ(store->bounds().nodes().size(), tree.tiles.size());
   for (std::size_t i = 0; i < tree.tiles.size(); ++i) {
     EXPECT_EQ(store->bounds().nodes()[i].id, tree.tiles[i].info.id);

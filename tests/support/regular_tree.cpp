@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "cache/height_blocks.h"
+#include "cache/samples_digest.h"
 #include "codec/mesh_codec.h"
 #include "tests/support/naive_measure.h"
 
@@ -144,7 +146,18 @@ class MeshMaker {
   std::map<Sample, std::uint32_t> index_;
 };
 
-cache::Manifest make_manifest(const cache::RasterInfo& info, const RegularTreeOptions& options) {
+std::string samples_digest(const cache::RasterSource& source) {
+  cache::HeightBlocks blocks(std::shared_ptr<const cache::RasterSource>(std::shared_ptr<void>(), &source), 0);
+  cache::SamplesDigest digest(blocks);
+  value_of(blocks.stream([&digest](std::int64_t bx, std::int64_t by, const auto& block) {
+    digest.add(bx, by, *block);
+    return true;
+  }));
+  return digest.text();
+}
+
+cache::Manifest make_manifest(const cache::RasterSource& source, const RegularTreeOptions& options) {
+  const cache::RasterInfo& info = source.info();
   cache::Manifest m;
   m.layout.columns = info.columns;
   m.layout.rows = info.rows;
@@ -159,6 +172,7 @@ cache::Manifest make_manifest(const cache::RasterInfo& info, const RegularTreeOp
   m.geographic = info.geographic;
   m.height_unit_m = info.height_unit_m;
   m.inputs = {{info.path, info.file_bytes, info.modified_s}};
+  m.samples_digest = samples_digest(source);
   return m;
 }
 
@@ -181,7 +195,7 @@ void TestTree::set_mesh(const codec::TileId& id, const codec::TileMesh& mesh) {
 TestTree make_regular_tree(const cache::RasterSource& source, const RegularTreeOptions& options) {
   const HeightGrid grid = read_grid(source);
   TestTree tree;
-  tree.manifest = make_manifest(source.info(), options);
+  tree.manifest = make_manifest(source, options);
   codec::TreeLayout& layout = tree.manifest.layout;
   MeshMaker maker(grid, tree.manifest, options);
   double needed = 0;
