@@ -1,15 +1,19 @@
 /// tintree-audit: re-reads a finished tree against its DEM and proves or refutes what the tree claims.
 
+#include <filesystem>
 #include <string>
+#include <system_error>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/audit/report.h"
+#include "apps/audit/report_page.h"
 #include "apps/audit/tree_audit.h"
 #include "apps/common/json_file.h"
 #include "apps/common/program.h"
 #include "apps/common/progress.h"
+#include "apps/common/whole_file.h"
 
 namespace {
 
@@ -17,11 +21,14 @@ using tintree::Expected;
 
 /// What GDAL may keep of decoded blocks: a few rows of tiles of a wide raster.
 constexpr std::uint64_t kRasterCacheBytes = std::uint64_t{128} << 20;
+/// Longest side of the report's error maps.
+constexpr int kMapPx = 512;
 
 struct Options {
   std::string tree;
   std::string dem;
   std::string json;
+  std::string report;
   bool quiet = false;
   tintree::audit::AuditOptions audit;
 };
@@ -30,6 +37,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("TREE", o.tree, "The tree to examine (.tintree)")->required();
   app.add_option("--dem", o.dem, "The elevation model that the tree was built from")->required();
   app.add_option("--json", o.json, "Also write the report to this file as JSON");
+  app.add_option("--report", o.report, "Also write a page with maps, charts and pictures into this folder");
   app.add_option("--hausdorff-tiles", o.audit.hausdorff_tiles,
                  "Tiles a level whose Hausdorff distance CGAL computes too; 0: none")
       ->check(CLI::Range(0, 1000000))
@@ -38,6 +46,16 @@ void declare(CLI::App& app, Options& o) {
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   app.add_flag("--quiet", o.quiet, "Print the verdict only");
+}
+
+/// Writes the page into its folder, which is made when it is not there.
+Expected<void> write_report(const std::string& folder, const tintree::audit::ReportInput& input) {
+  std::error_code ec;
+  std::filesystem::create_directories(folder, ec);
+  if (ec) return tintree::fail(tintree::ErrorCode::kIo, "cannot be made: " + ec.message(), folder);
+  const auto page = tintree::audit::report_page(input);
+  if (!page) return tl::unexpected(page.error());
+  return tintree::app::write_whole_file(folder + "/index.html", *page);
 }
 
 Expected<void> run(const Options& o) {
@@ -51,6 +69,7 @@ Expected<void> run(const Options& o) {
   tintree::app::Progress progress(o.quiet);
   tintree::audit::AuditOptions options = o.audit;
   options.stop = tintree::app::stop_requested;
+  if (!o.report.empty()) options.map_px = kMapPx;
   options.progress = [&progress](const std::string& step, std::uint64_t done, std::uint64_t total) {
     progress.report(step, done, total);
   };
@@ -65,6 +84,11 @@ Expected<void> run(const Options& o) {
     nlohmann::ordered_json json = tintree::audit::report_json(*report);
     json["peak_rss_bytes"] = tintree::app::peak_rss_bytes();
     if (auto written = tintree::app::write_json(o.json, json); !written) return written;
+  }
+  if (!o.report.empty()) {
+    const tintree::audit::AuditContext context{*store, *source,
+                                               [](std::int64_t) { return !tintree::app::stop_requested(); }};
+    if (auto written = write_report(o.report, {context, *report}); !written) return written;
   }
   if (!report->violations.empty()) return tintree::fail(tintree::ErrorCode::kCheckFailed, verdict, o.tree);
   return {};

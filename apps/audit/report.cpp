@@ -12,12 +12,6 @@ namespace {
 constexpr std::size_t kPrinted = 10;
 constexpr std::size_t kInJson = 1000;
 
-std::vector<Violation> by_severity(const TreeReport& report) {
-  std::vector<Violation> sorted = report.violations;
-  std::ranges::stable_sort(sorted, std::ranges::greater{}, &Violation::severity);
-  return sorted;
-}
-
 /// Null for what concerns the file as a whole.
 nlohmann::ordered_json tile_json(const Violation& v) {
   return v.tile ? nlohmann::ordered_json(v.tile->text()) : nlohmann::ordered_json();
@@ -42,6 +36,12 @@ nlohmann::ordered_json level_json(const LevelReport& l) {
 }
 
 }  // namespace
+
+std::vector<Violation> by_severity(const TreeReport& report) {
+  std::vector<Violation> sorted = report.violations;
+  std::ranges::stable_sort(sorted, std::ranges::greater{}, &Violation::severity);
+  return sorted;
+}
 
 std::string report_text(const TreeReport& report) {
   std::string out = fmt::format("{:>5} {:>7} {:>10} {:>10} {:>12} {:>9} {:>10} {:>10} {:>10} {:>10} {:>6} {:>10}\n",

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -13,6 +14,9 @@ std::string report_text(const TreeReport& report);
 
 /// "PASS: ..." or "FAIL: N violations; worst: tile l/x/y ...", one line.
 std::string verdict(const TreeReport& report);
+
+/// The violations, the most severe first.
+std::vector<Violation> by_severity(const TreeReport& report);
 
 /// The report for --json (docs/guide.md names the keys).
 nlohmann::ordered_json report_json(const TreeReport& report);

@@ -272,6 +272,53 @@ TEST_F(AuditTest, GivesTheSameReportWithOneThreadAndMany) {
   EXPECT_EQ(found[0], found[1]);
 }
 
+/// Every address of a picture or a style in the page must be within it.
+void expect_self_contained(const std::string& page) {
+  for (const char* outside : {"http://", "https://", "src=\"/", "<script", "<link"}) {
+    EXPECT_EQ(page.find(outside), std::string::npos) << outside;
+  }
+}
+
+std::size_t count_of(const std::string& text, const std::string& what) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+  return count;
+}
+
+TEST_F(AuditTest, WritesAPage) {
+  write_tree(path_, tree_);
+  const std::string folder = dir_.file("new/folder");
+  EXPECT_EQ(audit({"--hausdorff-tiles", "0", "--report", folder}).exit_code, 0);
+  const std::string page = read_file(folder + "/index.html");
+  EXPECT_NE(page.find("Pass</strong>"), std::string::npos);
+  expect_self_contained(page);
+  // The terrain, three maps, and three pictures of each of the ten worst tiles.
+  EXPECT_EQ(count_of(page, "data:image/png;base64,"), 1U + 3 + 3 * 10);
+  EXPECT_EQ(count_of(page, "class=\"histogram\""), 3U);
+  EXPECT_EQ(count_of(page, "holds</td>"), 9U);
+  EXPECT_NE(page.find(tree_.manifest.samples_digest), std::string::npos);
+}
+
+TEST_F(AuditTest, ThePageOfABadTreeNamesItsTile) {
+  const codec::TileId id{2, 1, 1};
+  raise_vertex(id, 1.01 * tree_.manifest.layout.bound_m(2) + tree_.tile(id).info.error_m);
+  write_tree(path_, tree_);
+  EXPECT_EQ(audit({"--hausdorff-tiles", "0", "--report", dir_.path()}).exit_code, 1);
+  const std::string page = read_file(dir_.file("index.html"));
+  EXPECT_NE(page.find("Fail</strong>"), std::string::npos);
+  expect_self_contained(page);
+  EXPECT_NE(page.find("tile&nbsp;2/1/1"), std::string::npos);
+  EXPECT_LT(page.find("<h3>Tile 2/1/1"), page.find("<h3>Tile", page.find("<h3>Tile") + 1)) << "the worst comes first";
+}
+
+TEST_F(AuditTest, SaysWhenThePageCannotBeWritten) {
+  write_tree(path_, tree_);
+  write_file(dir_.file("in_the_way"), "");
+  const ProgramResult r = audit({"--hausdorff-tiles", "0", "--report", dir_.file("in_the_way")});
+  EXPECT_EQ(r.exit_code, 4) << r.all();
+  EXPECT_NE(r.err.find("in_the_way"), std::string::npos) << r.err;
+}
+
 TEST_F(AuditTest, FindsAVertexMovedBeyondTheBound) {
   const codec::TileId id{2, 1, 1};
   raise_vertex(id, 1.01 * tree_.manifest.layout.bound_m(2) + tree_.tile(id).info.error_m);
@@ -348,7 +395,7 @@ TEST_F(AuditTest, FindsAGapBetweenLevels) {
 TEST_F(AuditTest, MeasuresTheGapBetweenLevels) {
   write_tree(path_, tree_);
   const std::string report = dir_.file("report.json");
-  EXPECT_EQ(audit({"--json", report}).exit_code, 0);
+  EXPECT_EQ(audit({"--hausdorff-tiles", "0", "--json", report}).exit_code, 0);
   const json found = json::parse(read_file(report));
   EXPECT_EQ(found.at("levels")[0].at("gap_max_m"), 0);
   EXPECT_EQ(found.at("levels")[1].at("gap_max_m"), 0) << "the root has no neighbour";
@@ -360,7 +407,7 @@ TEST_F(AuditTest, MeasuresTheGapBetweenLevels) {
 TEST_F(AuditTest, MeasuresTheQuantileOfTheErrors) {
   write_tree(path_, tree_);
   const std::string report = dir_.file("report.json");
-  EXPECT_EQ(audit({"--json", report}).exit_code, 0);
+  EXPECT_EQ(audit({"--hausdorff-tiles", "0", "--json", report}).exit_code, 0);
   const json found = json::parse(read_file(report));
   for (int level = 0; level <= 2; ++level) {
     std::vector<double> errors = sample_errors(level);
