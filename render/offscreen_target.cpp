@@ -80,6 +80,20 @@ void OffscreenTarget::resolve(GLbitfield what) const {
   gl_->BindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.framebuffer);
 }
 
+namespace {
+
+/// OpenGL counts rows from below.
+template <typename T>
+void turn_over(std::vector<T>& values, std::size_t row, std::size_t rows) {
+  for (std::size_t y = 0; y < rows / 2; ++y) {
+    const auto upper = values.begin() + static_cast<std::ptrdiff_t>(y * row);
+    const auto lower = values.begin() + static_cast<std::ptrdiff_t>((rows - 1 - y) * row);
+    std::swap_ranges(upper, upper + static_cast<std::ptrdiff_t>(row), lower);
+  }
+}
+
+}  // namespace
+
 Picture OffscreenTarget::read_picture() const {
   resolve(GL_COLOR_BUFFER_BIT);
   Picture picture{width_px_, height_px_, {}};
@@ -87,12 +101,7 @@ Picture OffscreenTarget::read_picture() const {
   picture.rgb.resize(row * static_cast<std::size_t>(height_px_));
   gl_->PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl_->ReadPixels(0, 0, width_px_, height_px_, GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data());
-  // OpenGL counts rows from below.
-  for (std::size_t y = 0; y < static_cast<std::size_t>(height_px_) / 2; ++y) {
-    const auto upper = picture.rgb.begin() + static_cast<std::ptrdiff_t>(y * row);
-    const auto lower = picture.rgb.end() - static_cast<std::ptrdiff_t>((y + 1) * row);
-    std::swap_ranges(upper, upper + static_cast<std::ptrdiff_t>(row), lower);
-  }
+  turn_over(picture.rgb, row, static_cast<std::size_t>(height_px_));
   return picture;
 }
 
@@ -103,6 +112,15 @@ float OffscreenTarget::read_depth(int x_px, int y_px) const {
   const int y = std::clamp(height_px_ - 1 - y_px, 0, height_px_ - 1);
   gl_->ReadPixels(x, y, 1, 1, GL_DEPTH_COMPONENT, GL_FLOAT, &depth);
   return depth;
+}
+
+std::vector<float> OffscreenTarget::read_depths() const {
+  resolve(GL_DEPTH_BUFFER_BIT);
+  const auto row = static_cast<std::size_t>(width_px_);
+  std::vector<float> depths(row * static_cast<std::size_t>(height_px_));
+  gl_->ReadPixels(0, 0, width_px_, height_px_, GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
+  turn_over(depths, row, static_cast<std::size_t>(height_px_));
+  return depths;
 }
 
 void OffscreenTarget::show_in_window() const {

@@ -45,6 +45,8 @@ class OffscreenTarget {
   /// What the depth buffer holds at a pixel (from the left and the top): near_m / depth, 0 where nothing was
   /// drawn. Waits for the drawing to end.
   float read_depth(int x_px, int y_px) const;
+  /// The same of all pixels, row-major, the upper row first.
+  std::vector<float> read_depths() const;
   /// Copies the colours to the lower left of the window's frame, which is of the same size.
   void show_in_window() const;
 

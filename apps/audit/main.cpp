@@ -1,12 +1,15 @@
 /// tintree-audit: re-reads a finished tree against its DEM and proves or refutes what the tree claims.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/audit/image_audit.h"
 #include "apps/audit/report.h"
 #include "apps/audit/report_page.h"
 #include "apps/audit/tree_audit.h"
@@ -29,6 +32,7 @@ struct Options {
   std::string dem;
   std::string json;
   std::string report;
+  bool images = false;
   bool quiet = false;
   tintree::audit::AuditOptions audit;
 };
@@ -38,6 +42,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--dem", o.dem, "The elevation model that the tree was built from")->required();
   app.add_option("--json", o.json, "Also write the report to this file as JSON");
   app.add_option("--report", o.report, "Also write a page with maps, charts and pictures into this folder");
+  app.add_flag("--images", o.images, "Also draw views and compare them with the full-resolution surface");
   app.add_option("--hausdorff-tiles", o.audit.hausdorff_tiles,
                  "Tiles a level whose Hausdorff distance CGAL computes too; 0: none")
       ->check(CLI::Range(0, 1000000))
@@ -58,6 +63,23 @@ Expected<void> write_report(const std::string& folder, const tintree::audit::Rep
   return tintree::app::write_whole_file(folder + "/index.html", *page);
 }
 
+/// Prints and writes what was found; fails when anything was.
+Expected<void> publish(const Options& o, const tintree::audit::ReportInput& found) {
+  if (!o.quiet) fmt::print("{}", report_text(found.tree, found.images));
+  const std::string verdict = tintree::audit::verdict(found.tree);
+  fmt::print("{}\n", verdict);
+  if (!o.json.empty()) {
+    nlohmann::ordered_json json = tintree::audit::report_json(found.tree, found.images);
+    json["peak_rss_bytes"] = tintree::app::peak_rss_bytes();
+    if (auto written = tintree::app::write_json(o.json, json); !written) return written;
+  }
+  if (!o.report.empty()) {
+    if (auto written = write_report(o.report, found); !written) return written;
+  }
+  if (found.tree.violations.empty()) return {};
+  return tintree::fail(tintree::ErrorCode::kCheckFailed, verdict, o.tree);
+}
+
 Expected<void> run(const Options& o) {
   tintree::cache::set_raster_cache_bytes(kRasterCacheBytes);
   const auto store = tintree::cache::TileStore::open(o.tree);
@@ -73,25 +95,18 @@ Expected<void> run(const Options& o) {
   options.progress = [&progress](const std::string& step, std::uint64_t done, std::uint64_t total) {
     progress.report(step, done, total);
   };
-  const auto report = tintree::audit::audit_tree(*store, *source, options);
-  progress.close();
+  auto report = tintree::audit::audit_tree(*store, *source, options);
   if (!report) return tl::unexpected(report.error());
-
-  if (!o.quiet) fmt::print("{}", report_text(*report));
-  const std::string verdict = tintree::audit::verdict(*report);
-  fmt::print("{}\n", verdict);
-  if (!o.json.empty()) {
-    nlohmann::ordered_json json = tintree::audit::report_json(*report);
-    json["peak_rss_bytes"] = tintree::app::peak_rss_bytes();
-    if (auto written = tintree::app::write_json(o.json, json); !written) return written;
+  const tintree::audit::AuditContext context{*store, *source,
+                                             [](std::int64_t) { return !tintree::app::stop_requested(); }};
+  std::optional<tintree::audit::ImageReport> images;
+  if (o.images) {
+    auto compared = tintree::audit::audit_images(context, {}, report->violations);
+    if (!compared) return tl::unexpected(compared.error());
+    images.emplace(std::move(*compared));
   }
-  if (!o.report.empty()) {
-    const tintree::audit::AuditContext context{*store, *source,
-                                               [](std::int64_t) { return !tintree::app::stop_requested(); }};
-    if (auto written = write_report(o.report, {context, *report}); !written) return written;
-  }
-  if (!report->violations.empty()) return tintree::fail(tintree::ErrorCode::kCheckFailed, verdict, o.tree);
-  return {};
+  progress.close();
+  return publish(o, {context, *report, images ? &*images : nullptr});
 }
 
 }  // namespace

@@ -35,6 +35,38 @@ nlohmann::ordered_json level_json(const LevelReport& l) {
           {"violations", l.violations}};
 }
 
+template <typename Out>
+void put_views(Out to, const ImageReport& images) {
+  for (const ViewReport& v : images.views) {
+    fmt::format_to(to,
+                   "view {}: {} tiles, {} triangles, off by at most {:.3f} pixels ({:.3f} as drawn) where {:.3f} are "
+                   "allowed, {} crack and {} outline pixels\n",
+                   v.name, v.tiles, v.triangles, v.shift_max_px, v.drawn_max_px, v.limit_px, v.crack_px,
+                   v.silhouette_px);
+  }
+}
+
+nlohmann::ordered_json views_json(const ImageReport& images) {
+  auto views = nlohmann::ordered_json::array();
+  for (const ViewReport& v : images.views) {
+    views.push_back({{"view", v.name},
+                     {"eye_m", v.eye_m},
+                     {"target_m", v.target_m},
+                     {"width_px", images.width_px},
+                     {"height_px", images.height_px},
+                     {"tiles", v.tiles},
+                     {"triangles", v.triangles},
+                     {"limit_px", v.limit_px},
+                     {"shift_max_px", v.shift_max_px},
+                     {"shift_rms_px", v.shift_rms_px},
+                     {"drawn_max_px", v.drawn_max_px},
+                     {"crack_px", v.crack_px},
+                     {"silhouette_px", v.silhouette_px},
+                     {"terrain_px", v.terrain_px}});
+  }
+  return views;
+}
+
 }  // namespace
 
 std::vector<Violation> by_severity(const TreeReport& report) {
@@ -43,7 +75,7 @@ std::vector<Violation> by_severity(const TreeReport& report) {
   return sorted;
 }
 
-std::string report_text(const TreeReport& report) {
+std::string report_text(const TreeReport& report, const ImageReport* images) {
   std::string out = fmt::format("{:>5} {:>7} {:>10} {:>10} {:>12} {:>9} {:>10} {:>10} {:>10} {:>10} {:>6} {:>10}\n",
                                 "level", "tiles", "triangles", "bound m", "vertical max", "max/bound", "rms m",
                                 "99.9 % m", "border max", "gap m", "gap px", "violations");
@@ -61,6 +93,7 @@ std::string report_text(const TreeReport& report) {
                    h.tile.text(), h.cells.column0, h.cells.column1, h.cells.row0, h.cells.row1, h.hausdorff_m,
                    h.error_bound_m, h.vertical_max_m);
   }
+  if (images != nullptr) put_views(to, *images);
   fmt::format_to(to, "{:.1f} s, {:.1f} million samples a second\n", report.seconds, report.samples_per_second / 1e6);
   const std::vector<Violation> sorted = by_severity(report);
   for (std::size_t i = 0; i < std::min(kPrinted, sorted.size()); ++i) fmt::format_to(to, "{}\n", sorted[i].text());
@@ -83,7 +116,7 @@ std::string verdict(const TreeReport& report) {
                      tiles, report.levels.size(), 100 * ratio);
 }
 
-nlohmann::ordered_json report_json(const TreeReport& report) {
+nlohmann::ordered_json report_json(const TreeReport& report, const ImageReport* images) {
   nlohmann::ordered_json json;
   json["verdict"] = report.violations.empty() ? "pass" : "fail";
   json["violations"] = report.violations.size();
@@ -100,6 +133,7 @@ nlohmann::ordered_json report_json(const TreeReport& report) {
                                  {"error_bound_m", h.error_bound_m},
                                  {"vertical_max_m", h.vertical_max_m}});
   }
+  if (images != nullptr) json["views"] = views_json(*images);
   json["violation_list"] = nlohmann::ordered_json::array();
   const std::vector<Violation> sorted = by_severity(report);
   for (std::size_t i = 0; i < std::min(kInJson, sorted.size()); ++i) {

@@ -1,6 +1,9 @@
 #include "apps/audit/report_pictures.h"
 
+#include <algorithm>
 #include <iterator>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,6 +17,7 @@ namespace {
 
 constexpr int kReliefPx = 512;
 constexpr int kTilePx = 256;
+constexpr std::size_t kShownViews = 4;
 
 std::string legend(const std::string& end) {
   const auto color = [](const Rgb& c) { return fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]); };
@@ -52,6 +56,17 @@ std::string describe(const TileFigures& t) {
 samples {} m, RMS {} m. {} triangles, {}.</p>)",
       t.id.text(), metres(t.peak.value_m), share_text(t.peak.value_m / t.bound_m), metres(t.bound_m), t.peak.column,
       t.peak.row, metres(t.p999_m), metres(t.rms_m), grouped(t.triangles), bytes_text(t.bytes));
+}
+
+/// Those to be shown: with cracks first, then by shift.
+std::vector<const ViewReport*> worst_views(const ImageReport& images) {
+  std::vector<const ViewReport*> views;
+  for (const ViewReport& v : images.views) views.push_back(&v);
+  std::ranges::stable_sort(views, std::ranges::greater{}, [](const ViewReport* v) {
+    return std::pair(v->crack_px + v->silhouette_px, std::max(v->shift_max_px, v->drawn_max_px) / v->limit_px);
+  });
+  views.resize(std::min(views.size(), kShownViews));
+  return views;
 }
 
 }  // namespace
@@ -119,10 +134,11 @@ drawn more than a pixel outside the surface&rsquo;s outline. Driver: {}.</p>)",
         v.name, v.tiles, grouped(v.triangles), v.limit_px, v.shift_max_px, v.shift_rms_px, v.drawn_max_px);
     fmt::format_to(to, "<td>{}</td><td>{}</td><td>{}</td></tr>", v.crack_px, v.silhouette_px, grouped(v.terrain_px));
   }
-  out += "</table></div>" + legend("the shift allowed") + "<div class=\"grid\">";
-  for (const ViewReport& v : images.views) {
-    if (auto put = put_figure(out, v.picture, v.name, "As drawn"); !put) return put;
-    if (auto put = put_figure(out, v.shifts, "Shift, " + v.name, "Pixel by pixel"); !put) return put;
+  out += "</table></div>" + legend("the shift allowed") +
+         "<p class=\"note\">Pictures of the views with the largest shifts.</p><div class=\"grid views\">";
+  for (const ViewReport* v : worst_views(images)) {
+    if (auto put = put_figure(out, v->picture, v->name, "As drawn"); !put) return put;
+    if (auto put = put_figure(out, v->shifts, "Shift, " + v->name, "Pixel by pixel"); !put) return put;
   }
   out += "</div>\n";
   return {};

@@ -39,6 +39,7 @@ td.off { color: var(--soft); }
 figure { margin: 0; }
 figure img { display: block; width: 100%; height: auto; image-rendering: auto; border: 1px solid var(--line); }
 figcaption { font-size: 13px; padding-top: 5px; }
+.views { grid-template-columns: repeat(2, minmax(0, 1fr)); }
 .legend { display: flex; align-items: center; gap: 10px; font-size: 13px; color: var(--soft); flex-wrap: wrap; }
 .legend .scale { width: 220px; height: 14px; border: 1px solid var(--line); }
 .legend .swatch { width: 14px; height: 14px; border: 1px solid var(--line); margin-left: 10px; }

@@ -299,6 +299,24 @@ TEST_F(AuditTest, WritesAPage) {
   EXPECT_NE(page.find(tree_.manifest.samples_digest), std::string::npos);
 }
 
+#ifdef TINTREE_AUDIT_DRAWS
+TEST_F(AuditTest, ComparesPictures) {
+  write_tree(path_, tree_);
+  const std::string report = dir_.file("report.json");
+  const ProgramResult r = audit({"--hausdorff-tiles", "0", "--images", "--json", report, "--report", dir_.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.all();
+  const json found = json::parse(read_file(report));
+  ASSERT_EQ(found.at("views").size(), 12U);
+  for (const json& view : found.at("views")) {
+    EXPECT_EQ(view.at("crack_px"), 0);
+    EXPECT_LE(view.at("shift_max_px").get<double>(), view.at("limit_px").get<double>());
+  }
+  const std::string page = read_file(dir_.file("index.html"));
+  expect_self_contained(page);
+  EXPECT_EQ(count_of(page, "data:image/png;base64,"), 1U + 3 + 3 * 10 + 2 * 4);
+}
+#endif
+
 TEST_F(AuditTest, ThePageOfABadTreeNamesItsTile) {
   const codec::TileId id{2, 1, 1};
   raise_vertex(id, 1.01 * tree_.manifest.layout.bound_m(2) + tree_.tile(id).info.error_m);
