@@ -22,6 +22,8 @@ struct ViewReport {
   /// From the surface's point seen at a pixel to the drawn mesh above or below it.
   double shift_max_px = 0;
   double shift_rms_px = 0;
+  /// The same distance in space, over the pixel's footprint there. Seen from above it may exceed the shift.
+  double distance_max_px = 0;
   /// From the point drawn at a pixel (the depth buffer's) to the surface above or below it.
   double drawn_max_px = 0;
   std::uint64_t terrain_px = 0;     ///< Pixels at which the surface is seen.

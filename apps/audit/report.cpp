@@ -59,6 +59,7 @@ nlohmann::ordered_json views_json(const ImageReport& images) {
                      {"limit_px", v.limit_px},
                      {"shift_max_px", v.shift_max_px},
                      {"shift_rms_px", v.shift_rms_px},
+                     {"distance_max_px", v.distance_max_px},
                      {"drawn_max_px", v.drawn_max_px},
                      {"crack_px", v.crack_px},
                      {"silhouette_px", v.silhouette_px},

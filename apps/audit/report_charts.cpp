@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kBars = 32;
 constexpr double kWidth = 288;
 constexpr double kHeight = 96;
-constexpr double kLeft = 34;  // room for the axis
+constexpr double kLeft = 42;  // room for the axis
 constexpr double kBottom = 30;
 
 void draw_axes(std::string& out, double most) {

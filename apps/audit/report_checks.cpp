@@ -12,7 +12,7 @@
 namespace tintree::audit {
 namespace {
 
-constexpr std::size_t kListed = 50;
+constexpr std::size_t kListed = 20;
 
 using enum ViolationKind;
 

@@ -120,18 +120,19 @@ Expected<void> put_views(std::string& out, const ReportInput& input) {
       to,
       R"(<h2>Pictures</h2><p>{} views of {}&thinsp;&times;&thinsp;{} pixels, drawn with a pixel error of {:g} and compared
 pixel by pixel with the full-resolution surface. <i>Shift</i>: how far the surface&rsquo;s point seen at a pixel lies from the drawn mesh, on
-the screen. <i>Drawn</i>: the same from the drawn point to the surface. <i>Cracks</i>: background seen through the terrain. <i>Outline</i>: terrain
-drawn more than a pixel outside the surface&rsquo;s outline. Driver: {}.</p>)",
+the screen. <i>Distance</i>: the same in space, over the pixel&rsquo;s footprint.
+<i>Drawn</i>: the shift from the drawn point to the surface. <i>Cracks</i>: background seen through the terrain. <i>Outline</i>: terrain drawn more than a pixel outside the surface&rsquo;s outline. Driver: {}.</p>)",
       images.views.size(), images.width_px, images.height_px, images.pixel_error, escape_html(images.renderer));
   out +=
       R"(<div class="scroll"><table><tr><th class="text">View</th><th>Tiles</th><th>Triangles</th><th>Allowed, px</th>
-<th>Shift, px</th><th>RMS, px</th><th>Drawn, px</th><th>Cracks, px</th><th>Outline, px</th><th>Terrain, px</th></tr>)";
+<th>Shift, px</th><th>RMS, px</th><th>Distance, px</th><th>Drawn, px</th><th>Cracks, px</th><th>Outline, px</th><th>Terrain, px</th></tr>)";
   for (const ViewReport& v : images.views) {
-    fmt::format_to(
-        to,
-        "\n<tr><td "
-        "class=\"text\">{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.3f}</td><td>{:.3f}</td><td>{:.3f}</td>",
-        v.name, v.tiles, grouped(v.triangles), v.limit_px, v.shift_max_px, v.shift_rms_px, v.drawn_max_px);
+    fmt::format_to(to,
+                   "\n<tr><td "
+                   "class=\"text\">{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.3f}</td><td>{:.3f}</"
+                   "td><td>{:.3f}</td><td>{:.3f}</td>",
+                   v.name, v.tiles, grouped(v.triangles), v.limit_px, v.shift_max_px, v.shift_rms_px, v.distance_max_px,
+                   v.drawn_max_px);
     fmt::format_to(to, "<td>{}</td><td>{}</td><td>{}</td></tr>", v.crack_px, v.silhouette_px, grouped(v.terrain_px));
   }
   out += "</table></div>" + legend("the shift allowed") +

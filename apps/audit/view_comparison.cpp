@@ -164,11 +164,16 @@ class Comparison {
     if (!mesh) return keep(mesh.error());
     const TileSurface surface = place(layout_, id, *mesh);
     const MeshHeights heights(surface);
+    double largest_px = 0;
     for (const std::size_t i : pixels) {
       const glm::dvec3 p = point(i, surface_m_[i]);
       const double z = heights.at(column(p), row(p));
       shifts_px_[i] = std::isnan(z) ? kMiss : screen_.distance_px(p, {p.x, p.y, z});
+      const double footprint_m = surface_m_[i] / camera_.focal_px();
+      largest_px = std::max(largest_px, std::isnan(z) ? kMiss : std::abs(z - p.z) / footprint_m);
     }
+    const std::scoped_lock lock(turn_);
+    report_.distance_max_px = std::max(report_.distance_max_px, largest_px);
   }
 
   std::optional<Error> compare_drawn_row(int y, double& largest_px) const {
@@ -319,7 +324,7 @@ class Comparison {
   std::vector<double> surface_m_;  ///< Depth of the surface at each pixel, or kMiss.
   std::vector<double> shifts_px_;  ///< NaN where no surface is seen.
   std::unordered_map<std::int64_t, std::vector<std::size_t>> drawn_tiles_;  ///< Pixels by tile key.
-  std::mutex turn_;                                                         ///< Guards the error.
+  std::mutex turn_;  ///< Guards the error and the largest distance.
   std::optional<Error> error_;
   ViewReport report_;
 };
