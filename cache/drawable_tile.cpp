@@ -21,7 +21,8 @@ std::vector<Vector> normal_sums(const codec::GridFrame& frame, const codec::Tile
   const double step = std::ldexp(1.0, frame.xy_shift);
   const auto metres = [&](std::uint32_t i) -> Vector {
     const codec::GridVertex& v = mesh.vertices[i];
-    return {v.x * step * frame.dx_m, -v.y * step * frame.dy_m, v.z * frame.z_step_m};
+    const auto [x, y] = frame.axes.world(v.x * step * frame.dx_m, v.y * step * frame.dy_m);
+    return {x, y, v.z * frame.z_step_m};
   };
   std::vector<Vector> sums(mesh.vertices.size(), Vector{});
   for (const codec::Triangle& t : mesh.triangles) {

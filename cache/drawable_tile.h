@@ -10,7 +10,7 @@
 
 namespace tintree::cache {
 
-/// Sides of a tile's square, as bits: which way the skirt of a border vertex faces.
+/// Sides of a tile's square on the grid, as bits: which way the skirt of a border vertex faces.
 enum SkirtSide : std::uint16_t { kSkirtWest = 1, kSkirtEast = 2, kSkirtNorth = 4, kSkirtSouth = 8 };
 
 /// One vertex as a vertex buffer takes it: 20 bytes.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 
 #include "codec/float_rounding.h"
 
@@ -96,8 +97,18 @@ std::int64_t TileBounds::find(const codec::TileId& id) const {
 
 Box TileBounds::box(const TileNode& node) const {
   const codec::CellRect c = layout_.cells(node.id);
-  return {{static_cast<double>(c.column0) * layout_.dx_m, -static_cast<double>(c.row1) * layout_.dy_m, node.z_min_m},
-          {static_cast<double>(c.column1) * layout_.dx_m, -static_cast<double>(c.row0) * layout_.dy_m, node.z_max_m}};
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Box box{{kFar, kFar, node.z_min_m}, {-kFar, -kFar, node.z_max_m}};
+  for (const std::int64_t column : {c.column0, c.column1}) {
+    for (const std::int64_t row : {c.row0, c.row1}) {
+      const auto corner = layout_.world(static_cast<double>(column), static_cast<double>(row));
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        box.min[axis] = std::min(box.min[axis], corner[axis]);
+        box.max[axis] = std::max(box.max[axis], corner[axis]);
+      }
+    }
+  }
+  return box;
 }
 
 }  // namespace tintree::cache

@@ -59,7 +59,7 @@ class TileBounds {
   std::span<const TileNode> nodes() const { return nodes_; }
   /// Index of a tile's node, or -1.
   std::int64_t find(const codec::TileId& id) const;
-  /// The tile's box: its cells of the raster times the height range of it and of all tiles below it.
+  /// The upright box round the tile: its cells of the raster times the height range of it and of all tiles below it.
   Box box(const TileNode& node) const;
   const codec::TreeLayout& layout() const { return layout_; }
 

@@ -12,6 +12,11 @@ std::uint32_t tiles_along(std::int64_t samples, std::int64_t cells) {
 
 }  // namespace
 
+std::array<double, 2> GridAxes::grid(double east_m, double north_m) const {
+  const double area = column[0] * row[1] - column[1] * row[0];
+  return {(east_m * row[1] - north_m * row[0]) / area, (column[0] * north_m - column[1] * east_m) / area};
+}
+
 int TreeLayout::leaf_level_for(std::int64_t columns, std::int64_t rows, int tile_cells) {
   const std::int64_t cells = std::max(columns, rows) - 1;
   int level = 0;
@@ -20,6 +25,11 @@ int TreeLayout::leaf_level_for(std::int64_t columns, std::int64_t rows, int tile
 }
 
 double TreeLayout::bound_m(int level) const { return std::ldexp(leaf_error_m, leaf_level - level); }
+
+std::array<double, 2> TreeLayout::grid(double x_m, double y_m) const {
+  const auto [across_m, down_m] = axes.grid(x_m, y_m);
+  return {across_m / dx_m, down_m / dy_m};
+}
 
 std::uint32_t TreeLayout::tiles_x(int level) const { return tiles_along(columns, cells_across(level)); }
 
@@ -39,7 +49,8 @@ GridFrame::GridFrame(const TreeLayout& layout, const TileId& id, const TileMesh&
       z_offset(mesh.z_offset),
       z_step_m(layout.z_step_m[static_cast<std::size_t>(id.level)]),
       dx_m(layout.dx_m),
-      dy_m(layout.dy_m) {}
+      dy_m(layout.dy_m),
+      axes(layout.axes) {}
 
 double GridFrame::column(std::int32_t x) const {
   return static_cast<double>(column0) + std::ldexp(static_cast<double>(x), xy_shift);
@@ -50,15 +61,32 @@ double GridFrame::row(std::int32_t y) const {
 }
 
 std::array<double, 3> GridFrame::world(const GridVertex& v) const {
-  return {column(v.x) * dx_m, -row(v.y) * dy_m, height_m(v.z)};
+  const auto [x, y] = axes.world(column(v.x) * dx_m, row(v.y) * dy_m);
+  return {x, y, height_m(v.z)};
 }
 
 std::array<double, 16> GridFrame::matrix(const std::array<double, 3>& eye) const {
   const double step = std::ldexp(1.0, xy_shift);
-  const double x0 = static_cast<double>(column0) * dx_m - eye[0];
-  const double y0 = -static_cast<double>(row0) * dy_m - eye[1];
+  const auto across = axes.world(step * dx_m, 0);
+  const auto down = axes.world(0, step * dy_m);
+  const auto corner = axes.world(static_cast<double>(column0) * dx_m, static_cast<double>(row0) * dy_m);
   const double z0 = static_cast<double>(z_offset) * z_step_m - eye[2];
-  return {step * dx_m, 0, 0, 0, 0, -step * dy_m, 0, 0, 0, 0, z_step_m, 0, x0, y0, z0, 1};
+  return {across[0],
+          across[1],
+          0,
+          0,
+          down[0],
+          down[1],
+          0,
+          0,  //
+          0,
+          0,
+          z_step_m,
+          0,
+          corner[0] - eye[0],
+          corner[1] - eye[1],
+          z0,
+          1};
 }
 
 }  // namespace tintree::codec

@@ -20,15 +20,33 @@ struct CellRect {
   bool empty() const { return column0 >= column1 || row0 >= row1; }
 };
 
-/// How a quadtree lies over a DEM. Samples are numbered from the north-west: column eastward, row
-/// southward. World coordinates (metres, local frame): x = column * dx_m, y = -row * dy_m, z = height.
+/// Which way a DEM's columns and rows run in the world: unit vectors (east, north) of a step to the next
+/// column and to the next row. Seen from above the row's lies clockwise of the column's, so that triangles
+/// that turn counter-clockwise on the grid do so in the world too. The default is north-up.
+struct GridAxes {
+  std::array<double, 2> column{1, 0};
+  std::array<double, 2> row{0, -1};
+
+  /// Metres east and north of the first sample, from metres along the columns' and the rows' way.
+  std::array<double, 2> world(double across_m, double down_m) const {
+    return {across_m * column[0] + down_m * row[0], across_m * column[1] + down_m * row[1]};
+  }
+  /// The way back: metres along the columns' and the rows' way.
+  std::array<double, 2> grid(double east_m, double north_m) const;
+
+  friend bool operator==(const GridAxes&, const GridAxes&) = default;
+};
+
+/// How a quadtree lies over a DEM. Samples are numbered from one corner, the north-west one unless the DEM
+/// is rotated. World coordinates are metres east, north and up of that sample (docs/format.md, Coordinates).
 struct TreeLayout {
   std::int64_t columns = 0;  ///< Samples of the DEM, 2 or more each way.
   std::int64_t rows = 0;
   int tile_cells = 256;  ///< DEM cells along a leaf's side, a power of two.
   int leaf_level = 0;    ///< Level of the leaves; 0 when one tile holds the whole DEM.
-  double dx_m = 1;       ///< Sample spacing.
-  double dy_m = 1;
+  double dx_m = 1;       ///< Sample spacing along a row, from column to column,
+  double dy_m = 1;       ///< and from row to row.
+  GridAxes axes;
   double leaf_error_m = 0;       ///< Error bound of the leaves; it doubles with every level up.
   std::vector<double> z_step_m;  ///< Height step of each level, index 0 the root.
 
@@ -36,6 +54,9 @@ struct TreeLayout {
   static int leaf_level_for(std::int64_t columns, std::int64_t rows, int tile_cells);
 
   double bound_m(int level) const;
+  /// World x and y of a place on the grid, and back.
+  std::array<double, 2> world(double column, double row) const { return axes.world(column * dx_m, row * dy_m); }
+  std::array<double, 2> grid(double x_m, double y_m) const;
   /// DEM cells along the side of a tile of `level`.
   std::int64_t cells_across(int level) const { return std::int64_t{tile_cells} << (leaf_level - level); }
   /// Tiles of `level` that hold at least one cell of the raster, along x and along y.
@@ -55,6 +76,7 @@ struct GridFrame {
   double z_step_m = 1;
   double dx_m = 1;
   double dy_m = 1;
+  GridAxes axes;
 
   GridFrame() = default;
   GridFrame(const TreeLayout& layout, const TileId& id, const TileMesh& mesh);

@@ -101,9 +101,8 @@ class Walk {
   unsigned nearest_quadrant(const codec::TileId& id) const {
     const codec::TreeLayout& layout = bounds_.layout();
     const auto half = static_cast<double>(layout.cells_across(id.level + 1));
-    const double middle_x = (2.0 * id.x + 1) * half * layout.dx_m;
-    const double middle_y = -(2.0 * id.y + 1) * half * layout.dy_m;
-    return (camera_.eye.x >= middle_x ? 1U : 0U) | (camera_.eye.y < middle_y ? 2U : 0U);
+    const auto [column, row] = layout.grid(camera_.eye.x, camera_.eye.y);
+    return (column >= (2.0 * id.x + 1) * half ? 1U : 0U) | (row > (2.0 * id.y + 1) * half ? 2U : 0U);
   }
 
   void draw(std::uint32_t index, const Seen& seen, bool stands_in) {

@@ -83,7 +83,10 @@ void drop_slivers(TriangleSoup& soup) {
 
 void to_metres(TriangleSoup& soup, const codec::TreeLayout& layout) {
   for (auto& t : soup) {
-    for (Point& p : t) p = {p[0] * layout.dx_m, -p[1] * layout.dy_m, p[2]};
+    for (Point& p : t) {
+      const auto [x, y] = layout.world(p[0], p[1]);
+      p = {x, y, p[2]};
+    }
   }
 }
 

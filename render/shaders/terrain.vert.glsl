@@ -21,8 +21,9 @@ void main() {
     // Down by what a gap can measure, and half of that outward, under the neighbour, so that rounding
     // leaves no pinhole where the border is seen from above.
     float reach = skirt_slope * length(position);
-    vec2 outward = vec2(float((skirt_sides >> 1) & 1u) - float(skirt_sides & 1u),
-                        float((skirt_sides >> 2) & 1u) - float((skirt_sides >> 3) & 1u));
+    float across = float((skirt_sides >> 1) & 1u) - float(skirt_sides & 1u);
+    float down = float((skirt_sides >> 3) & 1u) - float((skirt_sides >> 2) & 1u);
+    vec2 outward = across * normalize(address_to_eye[0].xy) + down * normalize(address_to_eye[1].xy);
     position += reach * vec3(0.5 * outward, -1.0);
   }
   from_eye = position;

@@ -177,6 +177,19 @@ TEST(TileBounds, BoxIsCutToTheRaster) {
   EXPECT_EQ(box.max, (std::array<double, 3>{200, 0, 2}));
 }
 
+TEST(TileBounds, BoxHoldsATurnedTile) {
+  TreeLayout layout = make_layout(21, 11, 8);
+  layout.axes = {{0.6, 0.8}, {0.8, -0.6}};
+  TileInfo root;
+  const TileBounds bounds(layout, std::vector{root});
+  const Box box = bounds.box(bounds.nodes()[0]);
+  // The corners lie at (0, 0), (120, 160), (160, -120) and (280, 40).
+  EXPECT_NEAR(box.min[0], 0, 1e-9);
+  EXPECT_NEAR(box.min[1], -120, 1e-9);
+  EXPECT_NEAR(box.max[0], 280, 1e-9);
+  EXPECT_NEAR(box.max[1], 160, 1e-9);
+}
+
 TEST(TileBounds, EveryTruncationIsRefused) {
   std::mt19937 random(4);
   const TreeLayout layout = make_layout(100, 100, 8);

@@ -84,10 +84,43 @@ TEST(GridFrame, WorldFollowsTheDefinition) {
   EXPECT_EQ(p[2], -150);
 }
 
+TEST(GridFrame, WorldFollowsTheAxes) {
+  TreeLayout l = make_layout(1000, 700, 16);
+  l.axes = {{0.6, 0.8}, {1, 0}};
+  const GridFrame frame(l, {l.leaf_level, 3, 5}, {});
+  const auto p = frame.world({1, 2, 0});
+  EXPECT_DOUBLE_EQ(p[0], 49 * 30.5 * 0.6 + 82 * 28.25);
+  EXPECT_DOUBLE_EQ(p[1], 49 * 30.5 * 0.8);
+}
+
+/// Axes at any angle to each other, rows clockwise of columns.
+GridAxes random_axes(std::mt19937& random) {
+  std::uniform_real_distribution<> turn(0, 6.3);
+  std::uniform_real_distribution<> between(0.3, 2.8);
+  const double a = turn(random);
+  const double b = a - between(random);
+  return {{std::cos(a), std::sin(a)}, {std::cos(b), std::sin(b)}};
+}
+
+TEST(TreeLayout, GridUndoesWorld) {
+  std::mt19937 random(3);
+  TreeLayout l = make_layout(1000, 700, 16);
+  for (int i = 0; i < 1000; ++i) {
+    const double column = static_cast<double>(random() % 100000) / 7;
+    const double row = static_cast<double>(random() % 100000) / 7;
+    const auto p = l.world(column, row);
+    const auto back = l.grid(p[0], p[1]);
+    EXPECT_NEAR(back[0], column, 1e-8);
+    EXPECT_NEAR(back[1], row, 1e-8);
+    l.axes = random_axes(random);
+  }
+}
+
 TEST(GridFrame, MatrixDoesWhatWorldDoes) {
   std::mt19937 random(7);
-  const TreeLayout l = make_layout(100000, 70000, 128);
+  TreeLayout l = make_layout(100000, 70000, 128);
   for (int i = 0; i < 1000; ++i) {
+    if (i % 2 == 1) l.axes = random_axes(random);
     const int level = static_cast<int>(random() % static_cast<unsigned>(l.leaf_level + 1));
     const TileId id{level, static_cast<std::uint32_t>(random()) % l.tiles_x(level),
                     static_cast<std::uint32_t>(random()) % l.tiles_y(level)};

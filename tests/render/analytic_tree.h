@@ -21,6 +21,7 @@ struct AnalyticTree {
   std::int64_t rows = 129;
   int tile_cells = 32;
   double spacing_m = 10;
+  codec::GridAxes axes = {};
   std::function<double(double x_m, double y_m)> height_m = [](double x, double y) {
     return 60 * std::sin(x / 170) * std::cos(y / 130) + 25 * std::sin(x / 41 + y / 57);
   };
@@ -32,6 +33,7 @@ struct AnalyticTree {
     out.tile_cells = tile_cells;
     out.leaf_level = codec::TreeLayout::leaf_level_for(columns, rows, tile_cells);
     out.dx_m = out.dy_m = spacing_m;
+    out.axes = axes;
     out.leaf_error_m = 0.05;
     out.z_step_m.assign(static_cast<std::size_t>(out.leaf_level) + 1, 0.0625);
     return out;
