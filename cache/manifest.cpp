@@ -1,6 +1,7 @@
 #include "cache/manifest.h"
 
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,11 @@ namespace tintree::cache {
 namespace {
 
 using nlohmann::json;
+
+bool axes_are_sane(const codec::GridAxes& axes) {
+  const auto unit = [](const std::array<double, 2>& v) { return std::abs(std::hypot(v[0], v[1]) - 1) < 1e-6; };
+  return unit(axes.column) && unit(axes.row) && axes.column[0] * axes.row[1] - axes.column[1] * axes.row[0] < -1e-6;
+}
 
 bool layout_is_sane(const codec::TreeLayout& l) {
   const bool size_ok =
@@ -22,7 +28,33 @@ bool layout_is_sane(const codec::TreeLayout& l) {
   for (const double step : l.z_step_m) {
     if (!positive(step)) return false;
   }
-  return positive(l.dx_m) && positive(l.dy_m) && positive(l.leaf_error_m);
+  return positive(l.dx_m) && positive(l.dy_m) && axes_are_sane(l.axes) && positive(l.leaf_error_m);
+}
+
+/// Paths are bytes: one that is no UTF-8 is kept as well as JSON can.
+std::string printable(const json& j) { return j.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+constexpr const char* kHole = "hole";
+constexpr const char* kFill = "fill";
+
+const char* nodata_name(NodataPolicy nodata) { return nodata == NodataPolicy::kFill ? kFill : kHole; }
+
+std::string differ(const char* what, const auto& there, const auto& here) {
+  return there == here ? std::string() : fmt::format("{}: {} there, {} here", what, there, here);
+}
+
+/// Compares the files' names in their order, without folders: a build may be resumed after they have moved.
+std::string differ(const std::vector<InputFile>& there, const std::vector<InputFile>& here) {
+  if (there.size() != here.size()) return differ("number of input files", there.size(), here.size());
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    const auto name = [i](const std::vector<InputFile>& files) {
+      return printable(std::filesystem::path(files[i].path).filename().string());
+    };
+    if (name(there) != name(here)) {
+      return differ(fmt::format("input file {}", i + 1).c_str(), name(there), name(here));
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -39,19 +71,21 @@ std::string Manifest::to_json() const {
       {"leaf_level", layout.leaf_level},
       {"dx_m", layout.dx_m},
       {"dy_m", layout.dy_m},
+      {"column_axis", layout.axes.column},
+      {"row_axis", layout.axes.row},
       {"leaf_error_m", layout.leaf_error_m},
       {"z_step_m", layout.z_step_m},
       {"crs_wkt", crs_wkt},
       {"geotransform", geotransform},
       {"geographic", geographic},
       {"height_unit_m", height_unit_m},
+      {"nodata", nodata_name(nodata)},
       {"inputs", files},
       {"samples_digest", samples_digest},
       {"complete", complete},
       {"digest", digest},
   };
-  // Paths are bytes: one that is no UTF-8 is kept as well as JSON can.
-  return j.dump(-1, ' ', false, json::error_handler_t::replace);
+  return printable(j);
 }
 
 Expected<Manifest> Manifest::from_json(const std::string& text) {
@@ -65,12 +99,21 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
     m.layout.leaf_level = j.at("leaf_level").get<int>();
     m.layout.dx_m = j.at("dx_m").get<double>();
     m.layout.dy_m = j.at("dy_m").get<double>();
+    if (j.contains("column_axis") || j.contains("row_axis")) {
+      m.layout.axes.column = j.at("column_axis").get<std::array<double, 2>>();
+      m.layout.axes.row = j.at("row_axis").get<std::array<double, 2>>();
+    }
     m.layout.leaf_error_m = j.at("leaf_error_m").get<double>();
     m.layout.z_step_m = j.at("z_step_m").get<std::vector<double>>();
     m.crs_wkt = j.at("crs_wkt").get<std::string>();
     m.geotransform = j.at("geotransform").get<std::array<double, 6>>();
     m.geographic = j.at("geographic").get<bool>();
     m.height_unit_m = j.at("height_unit_m").get<double>();
+    if (j.contains("nodata")) {
+      const auto name = j.at("nodata").get<std::string>();
+      if (name != kHole && name != kFill) return fail(ErrorCode::kBadData, "the manifest names an unknown --nodata");
+      m.nodata = name == kFill ? NodataPolicy::kFill : NodataPolicy::kHole;
+    }
     for (const json& f : j.at("inputs").get_ref<const json::array_t&>()) {
       m.inputs.push_back({f.at("path").get<std::string>(), f.at("bytes").get<std::uint64_t>(),
                           f.at("modified_s").get<std::int64_t>()});
@@ -86,19 +129,19 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
 }
 
 std::string Manifest::difference(const Manifest& other) const {
-  const auto differ = [](const char* what, const auto& mine, const auto& theirs) {
-    return mine == theirs ? std::string() : fmt::format("{}: {} there, {} here", what, mine, theirs);
-  };
   const codec::TreeLayout& a = layout;
   const codec::TreeLayout& b = other.layout;
   for (const std::string& d :
-       {differ("--method", method, other.method), differ("--tile", a.tile_cells, b.tile_cells),
-        differ("--error", a.leaf_error_m, b.leaf_error_m), differ("columns of the DEM", a.columns, b.columns),
-        differ("rows of the DEM", a.rows, b.rows), differ("sample spacing east-west", a.dx_m, b.dx_m),
-        differ("sample spacing north-south", a.dy_m, b.dy_m), differ("height unit", height_unit_m, other.height_unit_m),
+       {differ(inputs, other.inputs), differ("--method", method, other.method),
+        differ("--nodata", std::string(nodata_name(nodata)), std::string(nodata_name(other.nodata))),
+        differ("--tile", a.tile_cells, b.tile_cells), differ("--error", a.leaf_error_m, b.leaf_error_m),
+        differ("columns of the DEM", a.columns, b.columns), differ("rows of the DEM", a.rows, b.rows),
+        differ("sample spacing east-west", a.dx_m, b.dx_m), differ("sample spacing north-south", a.dy_m, b.dy_m),
+        differ("height unit", height_unit_m, other.height_unit_m),
         differ("digest of the DEM's samples", samples_digest, other.samples_digest)}) {
     if (!d.empty()) return d;
   }
+  if (a.axes != b.axes) return "direction of the DEM's rows and columns";
   if (a.z_step_m != b.z_step_m) return "height steps";
   return {};
 }

@@ -11,15 +11,6 @@
 
 namespace tintree::cache {
 
-/// Which file a tree was made from.
-struct InputFile {
-  std::string path;
-  std::uint64_t bytes = 0;
-  std::int64_t modified_s = 0;
-
-  friend bool operator==(const InputFile&, const InputFile&) = default;
-};
-
 /// What a tree is: stored as JSON in its file (docs/format.md, Manifest).
 struct Manifest {
   std::string method = "tin";
@@ -28,10 +19,11 @@ struct Manifest {
   std::array<double, 6> geotransform{};
   bool geographic = false;
   double height_unit_m = 1;
-  std::vector<InputFile> inputs;
-  std::string samples_digest;  ///< XXH3-128 over the DEM's heights; equal heights give equal digests.
-  bool complete = false;       ///< Every tile is there and measured.
-  std::string digest;          ///< XXH3-128 over all tiles in key order; set when complete.
+  NodataPolicy nodata = NodataPolicy::kHole;
+  std::vector<InputFile> inputs;  ///< In the order given: where they overlap, the later one counts.
+  std::string samples_digest;     ///< XXH3-128 over the DEM's heights; equal heights give equal digests.
+  bool complete = false;          ///< Every tile is there and measured.
+  std::string digest;             ///< XXH3-128 over all tiles in key order; set when complete.
 
   std::string to_json() const;
   /// Fails with kBadData on anything missing, of the wrong type or out of range.

@@ -3,132 +3,244 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <list>
 #include <mutex>
-#include <numbers>
-#include <system_error>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
-#include <gdal_priv.h>
-#include <ogr_spatialref.h>
-#include <sys/stat.h>
+
+#include "cache/nodata_fill.h"
+#include "cache/scratch_raster.h"
 
 namespace tintree::cache {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+/// Files that stay open at once; the one unused for longest is closed for another.
+constexpr std::size_t kOpenFiles = 64;
+/// Samples read at once while copying.
+constexpr std::int64_t kCopySamples = std::int64_t{1} << 22;
+constexpr std::int64_t kCopyRows = 256;
+/// How far, in samples, a file may lie off the grid of the first one.
+constexpr double kGridTolerance = 0.02;
 
-/// Metres per degree of latitude and of longitude at `latitude_deg` on the CRS's ellipsoid: the radii of
-/// curvature in the meridian and in the prime vertical.
-std::array<double, 2> metres_per_degree(const OGRSpatialReference& srs, double latitude_deg) {
-  const double a = srs.GetSemiMajor();
-  const double b = srs.GetSemiMinor();
-  const double e2 = 1 - (b * b) / (a * a);
-  const double s = std::sin(latitude_deg * kDegree);
-  const double w2 = 1 - e2 * s * s;
-  const double meridian = a * (1 - e2) / (w2 * std::sqrt(w2));
-  const double prime_vertical = a / std::sqrt(w2);
-  return {meridian * kDegree, prime_vertical * std::cos(latitude_deg * kDegree) * kDegree};
+/// A file and where its first sample lies on the grid of them all.
+struct Part {
+  RasterFile file;
+  std::int64_t column0 = 0;
+  std::int64_t row0 = 0;
+
+  std::int64_t column1() const { return column0 + file.info().columns; }
+  std::int64_t row1() const { return row0 + file.info().rows; }
+};
+
+/// The grid address of a point in CRS coordinates.
+std::array<double, 2> grid_address(const GeoTransform& t, double x, double y) {
+  const double area = t[1] * t[5] - t[2] * t[4];
+  return {((x - t[0]) * t[5] - (y - t[3]) * t[2]) / area, ((y - t[3]) * t[1] - (x - t[0]) * t[4]) / area};
 }
 
-/// Metres per unit for the unit names that drivers write, or 0 for one we do not know.
-double unit_in_metres(std::string name) {
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (name == "m" || name == "metre" || name == "meter" || name == "metres" || name == "meters") return 1;
-  if (name == "ft" || name == "foot" || name == "feet" || name == "international foot") return 0.3048;
-  if (name == "us-ft" || name == "ftus" || name == "us survey foot" || name == "us_survey_foot" || name == "foot_us") {
-    return 1200.0 / 3937.0;
+/// Puts a part on the grid of the first one: its corners must fall on whole samples.
+Expected<void> place(const RasterFileInfo& first, Part& part) {
+  const RasterFileInfo& info = part.file.info();
+  const auto refuse = [&](const std::string& what, const std::string& remedy) {
+    return fail(ErrorCode::kBadData, what + " " + first.input.path + "; " + remedy, info.input.path);
+  };
+  if (!first.georeferenced || !info.georeferenced) {
+    return refuse("several DEMs need a georeference each; one is missing here or in", "add it (gdal_edit.py -a_ullr)");
   }
-  if (name == "cm" || name == "centimetre" || name == "centimeter") return 0.01;
-  if (name == "mm" || name == "millimetre" || name == "millimeter") return 0.001;
-  if (name == "km" || name == "kilometre" || name == "kilometer") return 1000;
-  return 0;
+  if (!same_crs(first.crs_wkt, info.crs_wkt)) {
+    return refuse("has another coordinate reference system than", "warp it to the same one (gdalwarp -t_srs)");
+  }
+  const GeoTransform& t = info.transform;
+  const std::array<std::int64_t, 2> size{info.columns, info.rows};
+  std::array<double, 2> corner = grid_address(first.transform, t[0], t[3]);
+  part.column0 = std::llround(corner[0]);
+  part.row0 = std::llround(corner[1]);
+  for (int i = 0; i < 4; ++i) {
+    const double across = (i & 1) != 0 ? static_cast<double>(size[0]) : 0;
+    const double down = (i & 2) != 0 ? static_cast<double>(size[1]) : 0;
+    corner = grid_address(first.transform, t[0] + across * t[1] + down * t[2], t[3] + across * t[4] + down * t[5]);
+    const double off = std::max(std::abs(corner[0] - static_cast<double>(part.column0) - across),
+                                std::abs(corner[1] - static_cast<double>(part.row0) - down));
+    if (!(off <= kGridTolerance)) {
+      return refuse(fmt::format("its samples lie up to {:.3g} samples off those of", off),
+                    "bring them onto one grid (gdalwarp -tr X Y -tap)");
+    }
+  }
+  return {};
 }
 
-std::string last_gdal_message() {
-  const std::string message = CPLGetLastErrorMsg();
-  return message.empty() ? "GDAL gives no reason" : message;
+std::string name_of(const std::vector<Part>& parts) {
+  const std::string& first = parts.front().file.info().input.path;
+  return parts.size() == 1 ? first : fmt::format("{} and {} more", first, parts.size() - 1);
 }
 
 }  // namespace
 
 struct RasterSource::Impl {
-  GDALDatasetUniquePtr dataset;
-  GDALRasterBand* band = nullptr;
-  bool has_nodata = false;
-  double nodata = 0;
-  bool has_mask = false;
-  double scale = 1;   // stored value -> metres
-  double offset = 0;  // metres
   RasterInfo info;
-  mutable std::mutex turn;
+  std::vector<Part> parts;
+  std::list<std::size_t> open;  // of parts, the one used last in front
+  std::mutex turn;
+  std::optional<ScratchRaster> copy;
 
-  Expected<void> describe_grid();
-  void describe_heights();
+  Expected<void> lay_out();
+  void gather_warnings();
+  void use(std::size_t part);
+  Expected<void> read_parts(std::int64_t column, std::int64_t row, std::int64_t width, std::int64_t height,
+                            double* heights_m, std::int64_t stride);
+  Expected<void> read_part(Part& part, std::int64_t column, std::int64_t row, std::int64_t width, std::int64_t height,
+                           double* heights_m, std::int64_t stride);
+  bool needs_copy(const StageOptions& options) const;
+  Expected<void> make_copy(const StageOptions& options);
 };
 
-Expected<void> RasterSource::Impl::describe_grid() {
-  if (dataset->GetGeoTransform(info.geotransform.data()) != CE_None) {
-    info.geotransform = {0, 1, 0, 0, 0, -1};
-    info.warnings.emplace_back("no georeference: sample spacing taken as 1 m");
-    return {};
+/// Finds the grid that holds all parts and describes it.
+Expected<void> RasterSource::Impl::lay_out() {
+  const RasterFileInfo& first = parts.front().file.info();
+  std::int64_t column0 = 0;
+  std::int64_t row0 = 0;
+  std::int64_t column1 = first.columns;
+  std::int64_t row1 = first.rows;
+  for (Part& part : parts) {
+    info.inputs.push_back(part.file.info().input);
+    if (&part != &parts.front()) {
+      if (auto placed = place(first, part); !placed) return placed;
+    }
+    column0 = std::min(column0, part.column0);
+    row0 = std::min(row0, part.row0);
+    column1 = std::max(column1, part.column1());
+    row1 = std::max(row1, part.row1());
   }
-  const auto& gt = info.geotransform;
-  if (gt[2] != 0 || gt[4] != 0 || gt[1] <= 0 || gt[5] >= 0) {
-    return fail(ErrorCode::kBadData, "the raster is rotated or not north-up; warp it first (gdalwarp)", info.path);
+  for (Part& part : parts) {
+    part.column0 -= column0;
+    part.row0 -= row0;
   }
-  const OGRSpatialReference* srs = dataset->GetSpatialRef();
-  if (srs == nullptr) {
-    info.dx_m = gt[1];
-    info.dy_m = -gt[5];
-    info.warnings.emplace_back("no coordinate reference system: its units are taken as metres");
-    return {};
-  }
-  char* wkt = nullptr;
-  if (srs->exportToWkt(&wkt) == OGRERR_NONE) info.crs_wkt = wkt;
-  CPLFree(wkt);
-  info.geographic = srs->IsGeographic() != 0;
-  if (info.geographic) {
-    const double degrees = srs->GetAngularUnits() / kDegree;
-    const double middle = gt[3] + gt[5] * static_cast<double>(info.rows) / 2;
-    const auto [per_latitude, per_longitude] = metres_per_degree(*srs, middle * degrees);
-    info.dx_m = gt[1] * degrees * per_longitude;
-    info.dy_m = -gt[5] * degrees * per_latitude;
-  } else {
-    info.dx_m = gt[1] * srs->GetLinearUnits();
-    info.dy_m = -gt[5] * srs->GetLinearUnits();
-  }
-  if (!(info.dx_m > 0) || !(info.dy_m > 0) || !std::isfinite(info.dx_m) || !std::isfinite(info.dy_m)) {
+  info.path = name_of(parts);
+  info.columns = column1 - column0;
+  info.rows = row1 - row0;
+  if (info.columns < 2 || info.rows < 2) {
     return fail(ErrorCode::kBadData,
-                "the georeference gives no positive sample spacing; repair it (gdal_edit.py -a_ullr)", info.path);
+                fmt::format("is {} x {} samples, and a surface needs at least 2 x 2; give it together with the DEMs "
+                            "beside it",
+                            info.columns, info.rows),
+                info.path);
+  }
+  const GeoTransform& t = first.transform;
+  const auto c = static_cast<double>(column0);
+  const auto r = static_cast<double>(row0);
+  info.geotransform = {t[0] + c * t[1] + r * t[2], t[1], t[2], t[3] + c * t[4] + r * t[5], t[4], t[5]};
+  info.crs_wkt = first.crs_wkt;
+  info.height_unit_m = first.height_unit_m;
+  const auto frame = raster_frame(info.crs_wkt, info.geotransform, info.columns, info.rows);
+  if (!frame) return fail(frame.error().code, frame.error().message, info.path);
+  info.dx_m = frame->dx_m;
+  info.dy_m = frame->dy_m;
+  info.axes = frame->axes;
+  info.geographic = frame->geographic;
+  return {};
+}
+
+/// Every warning once, however many files it holds for.
+void RasterSource::Impl::gather_warnings() {
+  std::vector<std::string> seen;
+  for (const Part& part : parts) {
+    for (const std::string& warning : part.file.info().warnings) {
+      if (std::ranges::find(seen, warning) != seen.end()) continue;
+      seen.push_back(warning);
+      info.warnings.push_back(parts.size() == 1 ? warning : part.file.info().input.path + ": " + warning);
+    }
+  }
+}
+
+/// Notes that a part is about to be read, and closes the one unused for longest when too many are open.
+void RasterSource::Impl::use(std::size_t part) {
+  const auto at = std::ranges::find(open, part);
+  if (at != open.end()) open.erase(at);
+  open.push_front(part);
+  if (open.size() <= kOpenFiles) return;
+  parts[open.back()].file.close();
+  open.pop_back();
+}
+
+Expected<void> RasterSource::Impl::read_parts(std::int64_t column, std::int64_t row, std::int64_t width,
+                                              std::int64_t height, double* heights_m, std::int64_t stride) {
+  const std::scoped_lock lock(turn);
+  if (parts.size() == 1) return parts.front().file.read(column, row, width, height, heights_m, stride);
+  for (std::int64_t j = 0; j < height; ++j) std::fill_n(heights_m + j * stride, width, kNaN);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    Part& part = parts[i];
+    const std::int64_t c0 = std::max(column, part.column0);
+    const std::int64_t r0 = std::max(row, part.row0);
+    const std::int64_t c1 = std::min(column + width, part.column1());
+    const std::int64_t r1 = std::min(row + height, part.row1());
+    if (c0 >= c1 || r0 >= r1) continue;
+    use(i);
+    double* first = heights_m + (r0 - row) * stride + (c0 - column);
+    if (auto read = read_part(part, c0, r0, c1 - c0, r1 - r0, first, stride); !read) return read;
   }
   return {};
 }
 
-void RasterSource::Impl::describe_heights() {
-  const OGRSpatialReference* srs = dataset->GetSpatialRef();
-  const std::string unit = band->GetUnitType();
-  double unit_m = unit.empty() ? 0 : unit_in_metres(unit);
-  if (!unit.empty() && unit_m == 0) {
-    info.warnings.push_back(fmt::format("height unit '{}' is unknown: taken as metres", unit));
-    unit_m = 1;
+/// Lays a window of one part over what is there already.
+Expected<void> RasterSource::Impl::read_part(Part& part, std::int64_t column, std::int64_t row, std::int64_t width,
+                                             std::int64_t height, double* heights_m, std::int64_t stride) {
+  std::vector<double> over(static_cast<std::size_t>(width * height));
+  if (auto read = part.file.read(column - part.column0, row - part.row0, width, height, over.data(), width); !read) {
+    return read;
   }
-  if (unit_m == 0 && srs != nullptr && srs->IsCompound() != 0) unit_m = srs->GetTargetLinearUnits("COMPD_CS|VERT_CS");
-  if (unit_m == 0 && srs != nullptr && srs->IsProjected() != 0 && srs->GetLinearUnits() != 1) {
-    unit_m = srs->GetLinearUnits();
-    info.warnings.emplace_back("no height unit stated: taken as the unit of the coordinate reference system");
+  for (std::int64_t j = 0; j < height; ++j) {
+    for (std::int64_t i = 0; i < width; ++i) {
+      const double height_m = over[static_cast<std::size_t>(j * width + i)];
+      if (!std::isnan(height_m)) heights_m[j * stride + i] = height_m;
+    }
   }
-  info.height_unit_m = unit_m > 0 ? unit_m : 1;
-  scale = band->GetScale() * info.height_unit_m;
-  offset = band->GetOffset() * info.height_unit_m;
+  return {};
+}
 
-  int stated = 0;
-  nodata = band->GetNoDataValue(&stated);
-  has_nodata = stated != 0;
-  // A value that a 32-bit band cannot hold exactly is met there in its rounded form.
-  if (has_nodata && band->GetRasterDataType() == GDT_Float32) nodata = static_cast<float>(nodata);
-  has_mask = (band->GetMaskFlags() & (GMF_ALL_VALID | GMF_NODATA)) == 0;
+bool RasterSource::Impl::needs_copy(const StageOptions& options) const {
+  if (options.nodata == NodataPolicy::kFill) return true;
+  WindowCost cost = WindowCost::kNone;
+  std::uint64_t decoded_bytes = 0;
+  for (const Part& part : parts) {
+    cost = std::max(cost, part.file.info().window_cost);
+    decoded_bytes += part.file.info().decoded_bytes;
+  }
+  if (cost == WindowCost::kScan && decoded_bytes > options.raster_cache_bytes) return true;
+  return cost != WindowCost::kNone &&
+         sizeof(float) * static_cast<double>(info.columns) * static_cast<double>(info.rows) >
+             static_cast<double>(options.block_cache_bytes);
+}
+
+/// Reads everything once, in windows that follow the way the file is stored.
+Expected<void> RasterSource::Impl::make_copy(const StageOptions& options) {
+  const bool exact = std::ranges::all_of(parts, [](const Part& p) { return p.file.info().float_exact; });
+  const bool by_rows = std::ranges::any_of(parts, [](const Part& p) { return p.file.info().stored_by_rows; });
+  auto scratch = ScratchRaster::create(options.folder, info.columns, info.rows,
+                                       exact ? ScratchSample::kFloat : ScratchSample::kDouble);
+  if (!scratch) return tl::unexpected(scratch.error());
+  const std::int64_t height = by_rows ? std::clamp<std::int64_t>(kCopySamples / info.columns, 1, kCopyRows) : kCopyRows;
+  const std::int64_t width = by_rows ? info.columns : kCopySamples / kCopyRows;
+  std::vector<double> window(static_cast<std::size_t>(std::min(width, info.columns) * height));
+  for (std::int64_t row = 0; row < info.rows; row += height) {
+    const std::int64_t h = std::min(height, info.rows - row);
+    for (std::int64_t column = 0; column < info.columns; column += width) {
+      const std::int64_t w = std::min(width, info.columns - column);
+      auto done = read_parts(column, row, w, h, window.data(), w);
+      if (done) done = scratch->write(column, row, w, h, window.data(), w);
+      if (!done) return done;
+    }
+    if (options.progress &&
+        !options.progress("copying rows", static_cast<std::uint64_t>(row + h), static_cast<std::uint64_t>(info.rows))) {
+      return fail(ErrorCode::kStopped, "stopped while reading the DEM, before any tile was made");
+    }
+  }
+  copy = std::move(*scratch);
+  for (Part& part : parts) part.file.close();
+  open.clear();
+  return {};
 }
 
 RasterSource::RasterSource(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -137,43 +249,27 @@ RasterSource& RasterSource::operator=(RasterSource&&) noexcept = default;
 RasterSource::~RasterSource() = default;
 
 const RasterInfo& RasterSource::info() const { return impl_->info; }
+bool RasterSource::is_copied() const { return impl_->copy.has_value(); }
 
-Expected<RasterSource> RasterSource::open(const std::string& path) {
-  static std::once_flag registered;
-  std::call_once(registered, [] {
-    GDALAllRegister();
-    CPLSetErrorHandler(CPLQuietErrorHandler);
-  });
-  struct stat file {};
-  const bool is_file = ::stat(path.c_str(), &file) == 0;
-  if (is_file && S_ISDIR(file.st_mode)) return fail(ErrorCode::kIo, "is a directory, not a raster", path);
-
-  CPLErrorReset();
+Expected<RasterSource> RasterSource::open(const std::vector<std::string>& paths) {
+  if (paths.empty()) return fail(ErrorCode::kUsage, "no DEM is given");
   auto impl = std::make_unique<Impl>();
-  impl->dataset.reset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
-  if (!impl->dataset) {
-    if (!is_file) return fail(ErrorCode::kIo, "no such file", path);
-    return fail(ErrorCode::kBadData, "is no raster that GDAL can read (" + last_gdal_message() + ")", path);
+  for (const std::string& path : paths) {
+    auto file = RasterFile::open(path);
+    if (!file) return tl::unexpected(file.error());
+    impl->parts.push_back({std::move(*file)});
+    impl->use(impl->parts.size() - 1);
   }
-  if (impl->dataset->GetRasterCount() < 1) return fail(ErrorCode::kBadData, "holds no raster band", path);
-  impl->band = impl->dataset->GetRasterBand(1);
-  if (GDALDataTypeIsComplex(impl->band->GetRasterDataType()) != 0) {
-    return fail(ErrorCode::kBadData, "holds complex numbers, not heights", path);
-  }
-  RasterInfo& info = impl->info;
-  info.path = path;
-  info.columns = impl->dataset->GetRasterXSize();
-  info.rows = impl->dataset->GetRasterYSize();
-  info.file_bytes = is_file ? static_cast<std::uint64_t>(file.st_size) : 0;
-  info.modified_s = is_file ? file.st_mtime : 0;
-  if (info.columns < 2 || info.rows < 2) {
-    return fail(ErrorCode::kBadData,
-                fmt::format("is {} x {} samples; a surface needs at least 2 x 2", info.columns, info.rows), path);
-  }
-  if (impl->dataset->GetRasterCount() > 1) info.warnings.emplace_back("several bands: heights are read from the first");
-  if (auto described = impl->describe_grid(); !described) return tl::unexpected(described.error());
-  impl->describe_heights();
+  if (auto laid = impl->lay_out(); !laid) return tl::unexpected(laid.error());
+  impl->gather_warnings();
   return RasterSource(std::move(impl));
+}
+
+Expected<void> RasterSource::stage(const StageOptions& options) {
+  if (!impl_->needs_copy(options)) return {};
+  if (auto copied = impl_->make_copy(options); !copied) return copied;
+  if (options.nodata == NodataPolicy::kHole) return {};
+  return fill_nodata(*impl_->copy, impl_->info.columns, impl_->info.rows, options.folder, options.progress);
 }
 
 Expected<void> RasterSource::read(std::int64_t column, std::int64_t row, std::int64_t width, std::int64_t height,
@@ -187,40 +283,9 @@ Expected<void> RasterSource::read(std::int64_t column, std::int64_t row, std::in
     std::fill_n(heights_m, width * height, kNaN);
   }
   if (c0 >= c1 || r0 >= r1) return {};
-
-  const auto w = static_cast<int>(c1 - c0);
-  const auto h = static_cast<int>(r1 - r0);
   double* first = heights_m + (r0 - row) * width + (c0 - column);
-  std::vector<unsigned char> mask;
-  {
-    const std::scoped_lock lock(impl_->turn);
-    CPLErrorReset();
-    bool ok = impl_->band->RasterIO(GF_Read, static_cast<int>(c0), static_cast<int>(r0), w, h, first, w, h, GDT_Float64,
-                                    sizeof(double), static_cast<GSpacing>(width) * GSpacing{sizeof(double)},
-                                    nullptr) == CE_None;
-    if (ok && impl_->has_mask) {
-      mask.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
-      ok = impl_->band->GetMaskBand()->RasterIO(GF_Read, static_cast<int>(c0), static_cast<int>(r0), w, h, mask.data(),
-                                                w, h, GDT_Byte, 0, 0, nullptr) == CE_None;
-    }
-    if (!ok) {
-      return fail(ErrorCode::kIo, fmt::format("cannot read rows {} to {} ({})", r0, r1 - 1, last_gdal_message()),
-                  info.path);
-    }
-  }
-  const bool plain = impl_->scale == 1 && impl_->offset == 0;
-  for (std::int64_t j = 0; j < h; ++j) {
-    double* line = first + j * width;
-    for (std::int64_t i = 0; i < w; ++i) {
-      const double value = line[i];
-      const bool valid = !(impl_->has_nodata && value == impl_->nodata) && std::isfinite(value) &&
-                         (mask.empty() || mask[static_cast<std::size_t>(j * w + i)] != 0);
-      line[i] = !valid ? kNaN : plain ? value : value * impl_->scale + impl_->offset;
-    }
-  }
-  return {};
+  if (impl_->copy) return impl_->copy->read(c0, r0, c1 - c0, r1 - r0, first, width);
+  return impl_->read_parts(c0, r0, c1 - c0, r1 - r0, first, width);
 }
-
-void set_raster_cache_bytes(std::uint64_t bytes) { GDALSetCacheMax64(static_cast<GIntBig>(bytes)); }
 
 }  // namespace tintree::cache

@@ -5,6 +5,7 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -29,7 +30,7 @@ constexpr int kMapPx = 512;
 
 struct Options {
   std::string tree;
-  std::string dem;
+  std::vector<std::string> dems;
   std::string json;
   std::string report;
   bool images = false;
@@ -39,7 +40,7 @@ struct Options {
 
 void declare(CLI::App& app, Options& o) {
   app.add_option("TREE", o.tree, "The tree to examine (.tintree)")->required();
-  app.add_option("--dem", o.dem, "The elevation model that the tree was built from")->required();
+  app.add_option("--dem", o.dems, "The elevation models that the tree was built from, in the same order")->required();
   app.add_option("--json", o.json, "Also write the report to this file as JSON");
   app.add_option("--report", o.report, "Also write a page with maps, charts and pictures into this folder");
   app.add_flag("--images", o.images, "Also draw views and compare them with the full-resolution surface");
@@ -84,11 +85,20 @@ Expected<void> run(const Options& o) {
   tintree::cache::set_raster_cache_bytes(kRasterCacheBytes);
   const auto store = tintree::cache::TileStore::open(o.tree);
   if (!store) return tl::unexpected(store.error());
-  const auto source = tintree::cache::RasterSource::open(o.dem);
+  auto source = tintree::cache::RasterSource::open(o.dems);
   if (!source) return tl::unexpected(source.error());
   if (auto matches = tintree::audit::match(store->manifest(), source->info()); !matches) return matches;
 
   tintree::app::Progress progress(o.quiet);
+  tintree::cache::StageOptions stage;
+  stage.nodata = store->manifest().nodata;
+  stage.folder = std::filesystem::temp_directory_path();
+  stage.raster_cache_bytes = kRasterCacheBytes;
+  stage.progress = [&progress](const std::string& step, std::uint64_t done, std::uint64_t total) {
+    progress.report(step, done, total);
+    return !tintree::app::stop_requested();
+  };
+  if (auto staged = source->stage(stage); !staged) return staged;
   tintree::audit::AuditOptions options = o.audit;
   options.stop = tintree::app::stop_requested;
   if (!o.report.empty()) options.map_px = kMapPx;

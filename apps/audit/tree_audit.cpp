@@ -161,6 +161,11 @@ Expected<void> match(const cache::Manifest& manifest, const cache::RasterInfo& d
     return bad(fmt::format("has samples {:.9g} x {:.9g} m apart, but the tree was built from {:.9g} x {:.9g} m",
                            dem.dx_m, dem.dy_m, tree.dx_m, tree.dy_m));
   }
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double turn =
+        std::abs(tree.axes.column[i] - dem.axes.column[i]) + std::abs(tree.axes.row[i] - dem.axes.row[i]);
+    if (turn > 1e-9) return bad("is turned another way than the tree");
+  }
   if (!near(manifest.height_unit_m, dem.height_unit_m)) {
     return bad(fmt::format("counts heights in units of {:.9g} m, but the tree was built with {:.9g} m",
                            dem.height_unit_m, manifest.height_unit_m));

@@ -28,8 +28,15 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kMiB = 1024 * 1024;
 /// What a build takes besides the caches of the DEM, per thread and at all.
 constexpr std::uint64_t kWorkMiB = 96;
+/// GDAL's part of the caches of the DEM is one in this many.
+constexpr std::uint64_t kGdalShare = 8;
 
 double seconds_since(Clock::time_point begun) { return std::chrono::duration<double>(Clock::now() - begun).count(); }
+
+std::string folder_of(const std::string& path) {
+  const std::string parent = fs::path(path).parent_path().string();
+  return parent.empty() ? "." : parent;
+}
 
 /// Refuses before any work what would fail after it.
 Expected<void> check_output(const BuildOptions& options) {
@@ -43,8 +50,7 @@ Expected<void> check_output(const BuildOptions& options) {
     return fail(ErrorCode::kIo, "an unfinished build is there; go on with it by --resume or discard it by --overwrite",
                 building);
   }
-  const std::string parent = fs::path(options.output).parent_path().string();
-  const std::string folder = parent.empty() ? "." : parent;
+  const std::string folder = folder_of(options.output);
   if (!fs::is_directory(folder, ec)) return fail(ErrorCode::kIo, "no such folder; create it first", folder);
   if (::access(folder.c_str(), W_OK) != 0)
     return fail(ErrorCode::kIo, "the folder may not be written to; check its permissions", folder);
@@ -59,7 +65,8 @@ Expected<cache::Manifest> plan_tree(const BuildOptions& options, const cache::Ra
   manifest.geotransform = info.geotransform;
   manifest.geographic = info.geographic;
   manifest.height_unit_m = info.height_unit_m;
-  manifest.inputs = {{info.path, info.file_bytes, info.modified_s}};
+  manifest.nodata = options.nodata;
+  manifest.inputs = info.inputs;
   manifest.samples_digest = surface.digest();
   codec::TreeLayout& layout = manifest.layout;
   layout.columns = info.columns;
@@ -68,6 +75,7 @@ Expected<cache::Manifest> plan_tree(const BuildOptions& options, const cache::Ra
   layout.leaf_level = codec::TreeLayout::leaf_level_for(info.columns, info.rows, options.tile_cells);
   layout.dx_m = info.dx_m;
   layout.dy_m = info.dy_m;
+  layout.axes = info.axes;
   layout.leaf_error_m = options.error_m.value_or(std::sqrt(info.dx_m * info.dy_m) / 2);
   auto steps = simplify::choose_height_steps(surface, layout);
   if (!steps) {
@@ -89,6 +97,35 @@ Error with_remedy(Error error, const BuildOptions& options) {
   return error;
 }
 
+/// Opens the DEM and makes it ready to be read in small windows: from then on GDAL keeps its share of the cache.
+Expected<cache::RasterSource> open_dem(const BuildOptions& options, std::uint64_t cache_bytes,
+                                       const simplify::ProgressFn& progress) {
+  auto source = cache::RasterSource::open(options.dems);
+  if (!source) return source;
+  const cache::RasterInfo& info = source->info();
+  if (!options.quiet) {
+    for (const std::string& w : info.warnings) fmt::print(stderr, "tintree-build: {}: warning: {}\n", info.path, w);
+  }
+  cache::StageOptions stage;
+  stage.nodata = options.nodata;
+  stage.folder = folder_of(options.output);
+  stage.raster_cache_bytes = cache_bytes / kGdalShare;
+  stage.block_cache_bytes = cache_bytes - stage.raster_cache_bytes;
+  stage.progress = progress;
+  // No other cache is there yet.
+  cache::set_raster_cache_bytes(cache_bytes / 4 * 3);
+  if (auto staged = source->stage(stage); !staged) return tl::unexpected(staged.error());
+  cache::set_raster_cache_bytes(source->is_copied() ? 0 : stage.raster_cache_bytes);
+  return source;
+}
+
+/// Says what --nodata fill has left.
+void warn_of_holes(const BuildOptions& options, const BuildReport& report, const std::string& path) {
+  if (options.quiet || options.nodata == cache::NodataPolicy::kHole || report.valid_samples == report.samples) return;
+  fmt::print(stderr, "tintree-build: {}: warning: {} samples stay holes: no height within {} samples of them\n", path,
+             report.samples - report.valid_samples, cache::kFillDistance);
+}
+
 Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
   const auto begun = Clock::now();
   stop_requested();
@@ -102,21 +139,17 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
                 "--memory");
   }
   const std::uint64_t cache_bytes = (options.memory_mib - work) * kMiB;
-  cache::set_raster_cache_bytes(cache_bytes / 8);
-  auto source = cache::RasterSource::open(options.dem);
-  if (!source) return tl::unexpected(source.error());
-  const cache::RasterInfo info = source->info();
-  if (!options.quiet) {
-    for (const std::string& w : info.warnings) fmt::print(stderr, "tintree-build: {}: warning: {}\n", info.path, w);
-  }
-
   Progress line(options.quiet);
   const auto progress = [&](const std::string& step, std::uint64_t done, std::uint64_t total) {
     line.report(step, done, total);
     return !stop_requested();
   };
-  auto blocks = std::make_shared<cache::HeightBlocks>(std::make_shared<cache::RasterSource>(std::move(*source)),
-                                                      cache_bytes / 8 * 7);
+  auto source = open_dem(options, cache_bytes, progress);
+  if (!source) return tl::unexpected(source.error());
+  const cache::RasterInfo info = source->info();
+  const std::uint64_t block_bytes = source->is_copied() ? cache_bytes : cache_bytes - cache_bytes / kGdalShare;
+  auto blocks =
+      std::make_shared<cache::HeightBlocks>(std::make_shared<cache::RasterSource>(std::move(*source)), block_bytes);
   auto surface = simplify::ReferenceSurface::scan(
       blocks, [&](std::uint64_t done, std::uint64_t total) { return progress("reading blocks", done, total); });
   if (!surface) return tl::unexpected(surface.error());
@@ -149,6 +182,7 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
   report.samples = static_cast<std::uint64_t>(info.columns) * static_cast<std::uint64_t>(info.rows);
   report.valid_samples = (*surface)->valid_samples();
   report.file_bytes = fs::file_size(options.output);
+  warn_of_holes(options, report, info.path);
   report.seconds = seconds_since(begun);
   return report;
 }

@@ -13,13 +13,14 @@ namespace tintree::app {
 
 /// The command line of tintree-build.
 struct BuildOptions {
-  std::string dem;
+  std::vector<std::string> dems;  ///< Where they overlap, the later one counts.
   std::string output;
   std::optional<double> error_m;  ///< Bound of the leaves; default half the sample spacing.
   std::string method = "tin";
   int tile_cells = 256;
   int threads = 0;  ///< 0: all cores.
   std::uint64_t memory_mib = 1024;
+  cache::NodataPolicy nodata = cache::NodataPolicy::kHole;
   bool resume = false;
   bool overwrite = false;
   std::string json;  ///< Empty: none.

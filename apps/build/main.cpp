@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstdio>
+#include <string>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -34,9 +35,11 @@ Expected<void> check(const BuildOptions& o) {
 
 int main(int argc, char** argv) {
   BuildOptions o;
+  std::string nodata = "hole";
   CLI::App app{"Builds a tile tree with a guaranteed, measured error from an elevation model", "tintree-build"};
   app.set_version_flag("--version", TINTREE_VERSION);
-  app.add_option("DEM", o.dem, "Elevation model, any raster that GDAL reads")->required();
+  app.add_option("DEM", o.dems, "Elevation models on one grid, any rasters that GDAL reads; the last lies on top")
+      ->required();
   app.add_option("-o,--output", o.output, "Tree to write (.tintree)")->required();
   app.add_option("--error", o.error_m,
                  "Error bound of the leaves in metres; doubles with every level up (default: half the sample spacing)");
@@ -46,11 +49,16 @@ int main(int argc, char** argv) {
   app.add_option("--memory", o.memory_mib, "Memory to stay within, MiB")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--nodata", nodata, "Samples without a height: hole leaves them out, fill interpolates them")
+      ->check(CLI::IsMember({"hole", "fill"}))
+      ->capture_default_str();
   app.add_flag("--resume", o.resume, "Go on with a build that was stopped");
   app.add_flag("--overwrite", o.overwrite, "Replace an existing tree or discard an unfinished one");
   app.add_option("--json", o.json, "Write the figures to this file too");
   app.add_flag("--quiet", o.quiet, "No progress, warnings or table");
   return tintree::app::run_program(app, argc, argv, [&]() -> Expected<void> {
+    using tintree::cache::NodataPolicy;
+    o.nodata = nodata == "fill" ? NodataPolicy::kFill : NodataPolicy::kHole;
     if (auto sane = check(o); !sane) return sane;
     auto report = tintree::app::build_tree(o);
     if (!report) return tl::unexpected(report.error());

@@ -1,6 +1,8 @@
 #include "apps/export/export_tree.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <memory>
 
@@ -70,6 +72,17 @@ std::string crs_name(const std::string& wkt) {
   return end == std::string::npos ? "none stated" : wkt.substr(begin + 1, end - begin - 1);
 }
 
+/// Metres per unit of the CRS, eastward and northward: a step of the grid measured in both.
+std::array<double, 2> metres_per_unit(const cache::Manifest& m) {
+  const auto& gt = m.geotransform;
+  const auto column = m.layout.world(1, 0);
+  const auto row = m.layout.world(0, 1);
+  const auto ratio = [](double a_m, double a, double b_m, double b) {
+    return std::abs(a) > std::abs(b) ? a_m / a : b_m / b;
+  };
+  return {ratio(column[0], gt[1], row[0], gt[2]), ratio(row[1], gt[5], column[1], gt[4])};
+}
+
 }  // namespace
 
 std::vector<std::string> describe(const cache::TileStore& store, const ExportOptions& options) {
@@ -82,11 +95,13 @@ std::vector<std::string> describe(const cache::TileStore& store, const ExportOpt
                                    : fmt::format("tintree export within {} m", options.error_m.value_or(0)));
   for (const cache::InputFile& input : m.inputs) lines.push_back("elevation model: " + input.path);
   lines.emplace_back("x east, y north, z up, in metres from the origin; z is the height itself");
-  lines.push_back(fmt::format("origin: centre of the north-west sample, CRS coordinates {} {}{}", gt[0] + gt[1] / 2,
-                              gt[3] + gt[5] / 2, unit));
+  lines.push_back(
+      fmt::format("origin: centre of the first sample, the north-west one unless the grid is rotated; "
+                  "CRS coordinates {} {}{}",
+                  gt[0] + (gt[1] + gt[2]) / 2, gt[3] + (gt[4] + gt[5]) / 2, unit));
   lines.push_back("CRS: " + crs_name(m.crs_wkt));
-  lines.push_back(fmt::format("CRS coordinates of a vertex: origin + (x / {} * {}, y / {} * {}){}", m.layout.dx_m,
-                              gt[1], m.layout.dy_m, -gt[5], unit));
+  const auto [east_m, north_m] = metres_per_unit(m);
+  lines.push_back(fmt::format("CRS coordinates of a vertex: origin + (x / {}, y / {}){}", east_m, north_m, unit));
   for (std::string& line : lines)
     std::ranges::replace_if(
         line, [](char c) { return c == '\n' || c == '\r'; }, ' ');

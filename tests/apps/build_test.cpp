@@ -1,6 +1,7 @@
 /// The build as a program: what it makes, what it refuses and how it says so.
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -310,6 +311,81 @@ TEST_F(BuildTest, SaysWhenTheDiskIsFull) {
   EXPECT_EQ(r.exit_code, kIo) << r.all();
   expect_message(r, {tree_});
   EXPECT_FALSE(fs::exists(tree_));
+}
+
+TEST_F(BuildTest, TakesSeveralDemsInOrder) {
+  const std::string east = dir_.file("east.tif");
+  write_raster(east, {.columns = 60, .rows = 70, .dx = 10, .dy = 10, .west = 1800},
+               [](int c, int r) { return hills(c + 80, r) + 15; });
+  digest({east});
+  const auto store = cache::TileStore::open(tree_);
+  ASSERT_TRUE(store.has_value());
+  const cache::Manifest& m = store->manifest();
+  EXPECT_EQ(m.layout.columns, 140);
+  ASSERT_EQ(m.inputs.size(), 2U);
+  EXPECT_EQ(m.inputs[0].path, dem_);
+  EXPECT_EQ(m.inputs[1].path, east);
+  EXPECT_EQ(m.inputs[1].bytes, fs::file_size(east));
+
+  write_raster(east, {.columns = 60, .rows = 70, .dx = 10, .dy = 10, .west = 1805}, [](int, int) { return 1; });
+  const ProgramResult r = build({east, "--overwrite"});
+  EXPECT_EQ(r.exit_code, kBadData) << r.all();
+  expect_message(r, {east, dem_, "gdalwarp"});
+}
+
+TEST_F(BuildTest, ResumesWithTheSameDemsOnly) {
+  const std::string other = dir_.file("other.tif");
+  fs::copy(dem_, other);
+  const std::string whole = digest({other});
+  {
+    // The same build before its first tile.
+    cache::Manifest manifest = cache::TileStore::open(tree_)->manifest();
+    manifest.complete = false;
+    manifest.digest.clear();
+    fs::remove(tree_);
+    ASSERT_TRUE(cache::TileWriter::create(tree_, manifest).has_value());
+  }
+  ProgramResult r = build({"--resume"});
+  EXPECT_EQ(r.exit_code, kUsage) << r.all();
+  expect_message(r, {"number of input files", "--overwrite"});
+  r = build({"--resume", dem_});
+  EXPECT_EQ(r.exit_code, kUsage) << r.all();
+  expect_message(r, {"input file 2", "other.tif"});
+  r = build({"--resume", "--nodata", "fill", other});
+  EXPECT_EQ(r.exit_code, kUsage) << r.all();
+  expect_message(r, {"--nodata"});
+  EXPECT_EQ(digest({"--resume", other}), whole);
+}
+
+TEST_F(BuildTest, FillsHolesWhenAsked) {
+  write_raster(dem_, {.columns = 60, .rows = 50},
+               [](int c, int r) { return c > 20 && c < 30 && r > 9 ? kMissing : 7; });
+  digest({"--nodata", "fill"});
+  EXPECT_EQ(json::parse(read_file(report_)).at("valid_samples"), 60 * 50);
+  digest({"--overwrite"});
+  EXPECT_EQ(json::parse(read_file(report_)).at("valid_samples"), 60 * 50 - 9 * 40);
+  EXPECT_EQ(build({"--overwrite", "--nodata", "water"}).exit_code, kUsage);
+
+  write_raster(dem_, {.columns = 400, .rows = 10}, [](int c, int) { return c > 9 ? kMissing : 7; });
+  const ProgramResult r = run_program(TINTREE_BUILD, {dem_, "-o", tree_, "--nodata", "fill", "--overwrite"});
+  EXPECT_EQ(r.exit_code, kDone) << r.all();
+  EXPECT_NE(r.err.find("samples stay holes"), std::string::npos) << r.err;
+}
+
+TEST_F(BuildTest, MakesTheSameTreeFromACopyOfTheHeights) {
+  // Deflated rows of more bytes than GDAL may keep at so little memory.
+  const auto write = [this](bool rows) {
+    write_raster(dem_, {.columns = 1300, .rows = 1000, .tile = rows ? 0 : 256, .deflate = rows},
+                 [](int c, int r) { return c > 900 && c < 930 ? kMissing : hills(c, r) + c * 0.1; });
+  };
+  const Words options{"--tile", "256", "--error", "20", "--threads", "1", "--memory", "208", "--overwrite"};
+  write(false);
+  const std::string direct = digest(options);
+  write(true);
+  EXPECT_EQ(digest(options), direct);
+  const ProgramResult full = build_under("trap '' XFSZ; ulimit -f 4000; exec \"$@\"", options);
+  EXPECT_EQ(full.exit_code, kIo) << full.all();
+  expect_message(full, {dir_.path(), "temporary copy"});
 }
 
 TEST_F(BuildTest, GoesOnAfterAnInterrupt) {

@@ -71,7 +71,7 @@ TEST(Manifest, EveryKeyIsNeededAndTyped) {
   for (const auto& item : whole.items()) {
     json without = whole;
     without.erase(item.key());
-    EXPECT_FALSE(Manifest::from_json(without.dump()).has_value()) << "without " << item.key();
+    EXPECT_EQ(Manifest::from_json(without.dump()).has_value(), item.key() == "nodata") << "without " << item.key();
     json odd = whole;
     odd[item.key()] = json::object({{"what", nullptr}});
     EXPECT_FALSE(Manifest::from_json(odd.dump()).has_value()) << "odd " << item.key();
@@ -79,6 +79,22 @@ TEST(Manifest, EveryKeyIsNeededAndTyped) {
     null[item.key()] = nullptr;
     EXPECT_FALSE(Manifest::from_json(null.dump()).has_value()) << "null " << item.key();
   }
+}
+
+TEST(Manifest, LacksAxesAndNodataInOldFiles) {
+  Manifest m = make_manifest();
+  m.nodata = NodataPolicy::kFill;
+  m.layout.axes = {{0.6, 0.8}, {0.8, -0.6}};
+  const auto back = Manifest::from_json(m.to_json());
+  ASSERT_TRUE(back.has_value()) << back.error().text();
+  EXPECT_EQ(back->nodata, NodataPolicy::kFill);
+  EXPECT_EQ(back->layout.axes, m.layout.axes);
+  json old = json::parse(m.to_json());
+  for (const char* key : {"nodata", "column_axis", "row_axis"}) old.erase(key);
+  const auto plain = Manifest::from_json(old.dump());
+  ASSERT_TRUE(plain.has_value()) << plain.error().text();
+  EXPECT_EQ(plain->nodata, NodataPolicy::kHole);
+  EXPECT_EQ(plain->layout.axes, codec::GridAxes{});
 }
 
 TEST(Manifest, UnknownKeysAreIgnored) {
@@ -106,6 +122,15 @@ TEST(Manifest, ImpossibleTreesAreRefused) {
       [](auto& l) { l.dx_m = 0; },
       [](auto& l) { l.dy_m = -3; },
       [inf](auto& l) { l.dx_m = inf; },
+      [](auto& l) {
+        l.axes.column = {2, 0};
+      },
+      [](auto& l) {
+        l.axes.row = {1, 0};
+      },
+      [](auto& l) {
+        l.axes.row = {0, 1};
+      },
       [](auto& l) { l.leaf_error_m = 0; },
       [](auto& l) { l.leaf_error_m = std::nan(""); },
   };
@@ -144,6 +169,13 @@ TEST(Manifest, DifferenceNamesTheOption) {
       {"north-south", [](Manifest& o) { o.layout.dy_m = 31; }},
       {"height step", [](Manifest& o) { o.layout.z_step_m[3] = 0.0625; }},
       {"height unit", [](Manifest& o) { o.height_unit_m = 1; }},
+      {"direction",
+       [](Manifest& o) {
+         o.layout.axes = {{0, -1}, {-1, 0}};
+       }},
+      {"--nodata", [](Manifest& o) { o.nodata = NodataPolicy::kFill; }},
+      {"number of input files", [](Manifest& o) { o.inputs.push_back(o.inputs[0]); }},
+      {"input file 1", [](Manifest& o) { o.inputs[0].path = "/dems/b.tif"; }},
       {"samples", [](Manifest& o) { o.samples_digest = "ffff"; }},
   };
   for (const auto& [word, change] : changes) {

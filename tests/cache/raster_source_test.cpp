@@ -370,12 +370,65 @@ TEST_F(RasterSourceTest, TooFewSamples) {
   EXPECT_EQ(refusal(spec).code, ErrorCode::kBadData);
 }
 
-TEST_F(RasterSourceTest, RotatedAndSouthUp) {
+TEST_F(RasterSourceTest, EverySampleLiesWhereTheFilePutsIt) {
+  const double c = std::cos(0.4);
+  const double s = std::sin(0.4);
+  const std::vector<std::array<double, 6>> transforms = {{500000, 10, 0, 4000000, 0, -20},   // north-up
+                                                         {500000, 10, 0, 4000000, 0, 20},    // south-up
+                                                         {500000, -10, 0, 4000000, 0, -20},  // east to west
+                                                         {500000, -10, 0, 4000000, 0, 20},
+                                                         {500000, 0, 20, 4000000, 10, 0},
+                                                         {500000, 0, -20, 4000000, 10, 0},
+                                                         {500000, 10 * c, 20 * s, 4000000, 10 * s, -20 * c},
+                                                         {500000, -10 * c, 20 * s, 4000000, 10 * s, 20 * c},
+                                                         {500000, 10, 7, 4000000, 3, -20}};  // sheared
+  for (const auto& t : transforms) {
+    SCOPED_TRACE(testing::PrintToString(t));
+    Spec spec;
+    spec.geotransform = t;
+    // The height tells the place in the file.
+    const RasterSource source = open(spec, [](int column, int row) { return column + 100.0 * row; });
+    const RasterInfo& info = source.info();
+    const auto& column = info.axes.column;
+    const auto& row = info.axes.row;
+    EXPECT_LT(column[0] * row[1] - column[1] * row[0], 0) << "rows do not run clockwise of columns";
+    EXPECT_NEAR(info.dx_m, std::hypot(t[1], t[4]), 1e-9);
+    EXPECT_NEAR(info.dy_m, std::hypot(t[2], t[5]), 1e-9);
+    const auto& g = info.geotransform;
+    const std::array<double, 2> origin{g[0] + (g[1] + g[2]) / 2, g[3] + (g[4] + g[5]) / 2};
+    for (std::int64_t r = 0; r < info.rows; ++r) {
+      for (std::int64_t i = 0; i < info.columns; ++i) {
+        const double height = read_window(source, i, r, 1, 1)[0];
+        const double pixel = std::fmod(height, 100) + 0.5;
+        const double line = std::floor(height / 100) + 0.5;
+        const auto world = info.axes.world(static_cast<double>(i) * info.dx_m, static_cast<double>(r) * info.dy_m);
+        EXPECT_NEAR(origin[0] + world[0], t[0] + pixel * t[1] + line * t[2], 1e-6);
+        EXPECT_NEAR(origin[1] + world[1], t[3] + pixel * t[4] + line * t[5], 1e-6);
+      }
+    }
+    // Windows give what single samples give.
+    const auto window = read_window(source, 1, 1, 5, 3);
+    for (std::int64_t j = 0; j < 3; ++j) {
+      for (std::int64_t i = 0; i < 5; ++i) {
+        const double one = read_window(source, 1 + i, 1 + j, 1, 1)[0];
+        const double many = window[static_cast<std::size_t>(j * 5 + i)];
+        EXPECT_TRUE(one == many || (std::isnan(one) && std::isnan(many))) << i << ", " << j;
+      }
+    }
+  }
+}
+
+TEST_F(RasterSourceTest, NorthUpOnceMirrored) {
   Spec spec;
-  spec.geotransform = {{500000, 10, 3, 4000000, 2, -10}};
-  EXPECT_EQ(refusal(spec).code, ErrorCode::kBadData);
-  EXPECT_NE(refusal(spec).message.find("north-up"), std::string::npos);
-  spec.geotransform = {{500000, 10, 0, 4000000, 0, 10}};
+  spec.geotransform = {{500000, -10, 0, 4000000, 0, 20}};
+  const RasterSource source = open(spec, [](int, int) { return 1.0; });
+  EXPECT_EQ(source.info().axes, codec::GridAxes{});
+  EXPECT_EQ(source.info().geotransform, (GeoTransform{499950, 10, 0, 4000080, 0, -20}));
+}
+
+TEST_F(RasterSourceTest, TransformWithoutArea) {
+  Spec spec;
+  spec.geotransform = {{500000, 10, 10, 4000000, 5, 5}};
   EXPECT_EQ(refusal(spec).code, ErrorCode::kBadData);
 }
 

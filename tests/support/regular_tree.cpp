@@ -165,13 +165,14 @@ cache::Manifest make_manifest(const cache::RasterSource& source, const RegularTr
   m.layout.leaf_level = codec::TreeLayout::leaf_level_for(info.columns, info.rows, options.tile_cells);
   m.layout.dx_m = info.dx_m;
   m.layout.dy_m = info.dy_m;
+  m.layout.axes = info.axes;
   m.layout.leaf_error_m = options.leaf_error_m > 0 ? options.leaf_error_m : 1;
   m.layout.z_step_m.assign(static_cast<std::size_t>(m.layout.leaf_level) + 1, options.z_step_m);
   m.crs_wkt = info.crs_wkt;
   m.geotransform = info.geotransform;
   m.geographic = info.geographic;
   m.height_unit_m = info.height_unit_m;
-  m.inputs = {{info.path, info.file_bytes, info.modified_s}};
+  m.inputs = info.inputs;
   m.samples_digest = samples_digest(source);
   return m;
 }

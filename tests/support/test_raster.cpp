@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
@@ -37,8 +38,17 @@ void set_georeference(GDALDataset& dataset, const RasterSpec& spec) {
 void write_raster(const std::string& path, const RasterSpec& spec, const HeightFunction& height) {
   GDALAllRegister();
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+  std::vector<std::string> words;
+  if (spec.tile > 0) {
+    const std::string side = std::to_string(spec.tile);
+    words = {"TILED=YES", "BLOCKXSIZE=" + side, "BLOCKYSIZE=" + side};
+  }
+  if (spec.deflate) words.emplace_back("COMPRESS=DEFLATE");
+  std::vector<char*> options;
+  for (std::string& word : words) options.push_back(word.data());
+  options.push_back(nullptr);
   const GDALDatasetUniquePtr dataset(
-      driver->Create(path.c_str(), spec.columns, spec.rows, 1, gdal_type(spec.type), nullptr));
+      driver->Create(path.c_str(), spec.columns, spec.rows, 1, gdal_type(spec.type), options.data()));
   if (!dataset) throw std::runtime_error("GDAL cannot create " + path);
   set_georeference(*dataset, spec);
   GDALRasterBand* band = dataset->GetRasterBand(1);

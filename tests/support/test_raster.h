@@ -25,6 +25,8 @@ struct RasterSpec {
   int epsg = 32610;  ///< 0: no CRS, and no georeference either.
   SampleType type = SampleType::kFloat64;
   std::optional<double> nodata = -9999;  ///< Written for missing samples; without it NaN is.
+  int tile = 0;                          ///< Side of the blocks; 0: rows.
+  bool deflate = false;
 };
 
 /// Height of the sample at (column, row); kMissing for none.
