@@ -55,7 +55,7 @@ class TemporaryFilesIn {
 
 /// Rows handled at once, of all columns.
 std::int64_t rows_at_once(std::int64_t columns) {
-  return std::clamp<std::int64_t>((std::int64_t{1} << 22) / columns, 1, 256);
+  return std::clamp<std::int64_t>((std::int64_t{1} << 19) / columns, 1, 256);
 }
 
 Error gdal_failure(const std::string& folder) {

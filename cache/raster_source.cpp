@@ -20,7 +20,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Files that stay open at once; the one unused for longest is closed for another.
 constexpr std::size_t kOpenFiles = 64;
 /// Samples read at once while copying.
-constexpr std::int64_t kCopySamples = std::int64_t{1} << 22;
+constexpr std::int64_t kCopySamples = std::int64_t{1} << 20;
 constexpr std::int64_t kCopyRows = 256;
 /// How far, in samples, a file may lie off the grid of the first one.
 constexpr double kGridTolerance = 0.02;

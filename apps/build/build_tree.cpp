@@ -113,7 +113,7 @@ Expected<cache::RasterSource> open_dem(const BuildOptions& options, std::uint64_
   stage.block_cache_bytes = cache_bytes - stage.raster_cache_bytes;
   stage.progress = progress;
   // No other cache is there yet.
-  cache::set_raster_cache_bytes(cache_bytes / 4 * 3);
+  cache::set_raster_cache_bytes(cache_bytes / 2);
   if (auto staged = source->stage(stage); !staged) return tl::unexpected(staged.error());
   cache::set_raster_cache_bytes(source->is_copied() ? 0 : stage.raster_cache_bytes);
   return source;
@@ -147,9 +147,8 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
   auto source = open_dem(options, cache_bytes, progress);
   if (!source) return tl::unexpected(source.error());
   const cache::RasterInfo info = source->info();
-  const std::uint64_t block_bytes = source->is_copied() ? cache_bytes : cache_bytes - cache_bytes / kGdalShare;
-  auto blocks =
-      std::make_shared<cache::HeightBlocks>(std::make_shared<cache::RasterSource>(std::move(*source)), block_bytes);
+  auto blocks = std::make_shared<cache::HeightBlocks>(std::make_shared<cache::RasterSource>(std::move(*source)),
+                                                      cache_bytes - cache_bytes / kGdalShare);
   auto surface = simplify::ReferenceSurface::scan(
       blocks, [&](std::uint64_t done, std::uint64_t total) { return progress("reading blocks", done, total); });
   if (!surface) return tl::unexpected(surface.error());

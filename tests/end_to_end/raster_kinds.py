@@ -91,7 +91,7 @@ class Checker:
         tree = self.folder / f"{self.count}.tintree"
         ply = self.folder / f"{self.count}.ply"
         self.run("build", *paths, "-o", tree, "--error", error_m, "--tile", 64, "--threads", 1, *options)
-        self.run("audit", tree, "--dem", *paths, "--threads", 1, "--hausdorff-tiles", 1)
+        self.run("audit", tree, "--dem", *paths, "--threads", 1, "--hausdorff-tiles", 0)
         self.run("export", tree, "--to", "ply", "--error", error_m, "-o", ply)
         text = ply.read_bytes()[:4000].decode(errors="replace")
         found = re.search(r"CRS coordinates (\S+) (\S+)", text)
