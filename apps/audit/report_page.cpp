@@ -164,10 +164,11 @@ void put_provenance(std::string& out, const ReportInput& input) {
   row("Tree", escape_html(input.context.store.path()));
   row("Digest of its tiles", "<code>" + escape_html(m.digest) + "</code>");
   row("Method", escape_html(m.method));
-  row("DEM", escape_html(dem.path));
+  for (const cache::InputFile& input_file : dem.inputs) row("DEM", escape_html(input_file.path));
   row("Digest of its heights", "<code>" + escape_html(m.samples_digest) + "</code>");
   row("Samples", fmt::format("{} &times; {}, {} &times; {} m apart", grouped(static_cast<std::uint64_t>(dem.columns)),
                              grouped(static_cast<std::uint64_t>(dem.rows)), metres(dem.dx_m), metres(dem.dy_m)));
+  row("Samples without a height", m.nodata == cache::NodataPolicy::kFill ? "filled" : "left out");
   row("Leaf tiles", fmt::format("{0} &times; {0} cells", m.layout.tile_cells));
   row("Textures and normal maps", "none in this file");
   row("Time", fmt::format("{:.1f} s, {:.1f} million samples a second", input.tree.seconds,

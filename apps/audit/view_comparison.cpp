@@ -119,8 +119,8 @@ class Comparison {
     return camera_.ray(static_cast<double>(pixel % width) + 0.5, static_cast<double>(pixel / width) + 0.5);
   }
   glm::dvec3 point(std::size_t pixel, double depth_m) const { return camera_.eye + depth_m * ray(pixel); }
-  double column(const glm::dvec3& p) const { return p.x / layout_.dx_m; }
-  double row(const glm::dvec3& p) const { return -p.y / layout_.dy_m; }
+  double column(const glm::dvec3& p) const { return layout_.grid(p.x, p.y)[0]; }
+  double row(const glm::dvec3& p) const { return layout_.grid(p.x, p.y)[1]; }
 
   GridRay grid_ray(const glm::dvec3& d) const {
     return {{column(camera_.eye), row(camera_.eye), camera_.eye.z}, {column(d), row(d), d.z}};

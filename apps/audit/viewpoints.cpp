@@ -20,10 +20,7 @@ constexpr double kFlightPitch = 0.6;
 class Chooser {
  public:
   Chooser(const codec::TreeLayout& layout, double highest_m, const ImageOptions& options)
-      : width_m_(static_cast<double>(layout.columns - 1) * layout.dx_m),
-        depth_m_(static_cast<double>(layout.rows - 1) * layout.dy_m),
-        highest_m_(highest_m),
-        options_(options) {
+      : layout_(layout), highest_m_(highest_m), options_(options) {
     const render::Camera camera = blank();
     // A tile counts as near as its nearest visible point may be, in the picture's corner; a vertical metre moves a
     // point by at most kMostGain metres across the view.
@@ -55,20 +52,29 @@ class Chooser {
     return camera;
   }
 
-  /// From the south-west corner to the north-east one, clockwise from north.
-  double heading() const { return std::atan2(width_m_, depth_m_); }
+  /// A point of the ground at shares (x, y) of the terrain along its columns' and its rows' way.
+  glm::dvec3 ground(double x, double y) const {
+    const auto [east_m, north_m] =
+        layout_.world(x * static_cast<double>(layout_.columns - 1), y * static_cast<double>(layout_.rows - 1));
+    return {east_m, north_m, highest_m_};
+  }
 
-  /// Towards the ground at the shares (x, y) of the terrain, eastward and southward, `pitch` below the horizon.
+  /// From the south-west corner to the north-east one, clockwise from north.
+  double heading() const {
+    const glm::dvec3 way = ground(1, 0) - ground(0, 1);
+    return std::atan2(way.x, way.y);
+  }
+
+  /// Towards the ground at the shares (x, y) of the terrain, `pitch` below the horizon.
   Viewpoint look(std::string name, double x, double y, double azimuth, double pitch, double height_m) const {
     Viewpoint view{std::move(name), blank()};
     const glm::dvec3 along(std::sin(azimuth), std::cos(azimuth), 0);
-    view.camera.target = {x * width_m_, -y * depth_m_, highest_m_};
+    view.camera.target = ground(x, y);
     view.camera.eye = view.camera.target - along * (height_m / std::tan(pitch)) + glm::dvec3(0, 0, height_m);
     return view;
   }
 
-  double width_m_;
-  double depth_m_;
+  const codec::TreeLayout& layout_;
   double highest_m_;
   double lowest_m_ = 0;
   const ImageOptions& options_;

@@ -25,7 +25,9 @@ GDALDataType gdal_type(SampleType type) {
 
 void set_georeference(GDALDataset& dataset, const RasterSpec& spec) {
   if (spec.epsg == 0) return;
-  std::array<double, 6> transform{spec.west, spec.dx, 0, spec.north, 0, -spec.dy};
+  const double c = std::cos(spec.turn_rad);
+  const double s = std::sin(spec.turn_rad);
+  std::array<double, 6> transform{spec.west, spec.dx * c, spec.dy * s, spec.north, spec.dx * s, -spec.dy * c};
   OGRSpatialReference srs;
   if (dataset.SetGeoTransform(transform.data()) != CE_None || srs.importFromEPSG(spec.epsg) != OGRERR_NONE ||
       dataset.SetSpatialRef(&srs) != CE_None) {

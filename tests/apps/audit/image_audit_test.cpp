@@ -21,8 +21,8 @@ class ImageAuditTest : public testing::Test {
     make([](int c, int r) { return test::hills(c, r, 40); });
   }
 
-  void make(const test::HeightFunction& height) {
-    test::write_raster(dem_, {.columns = 65, .rows = 50, .dx = 10, .dy = 10}, height);
+  void make(const test::HeightFunction& height, double turn_rad = 0) {
+    test::write_raster(dem_, {.columns = 65, .rows = 50, .dx = 10, .dy = 10, .turn_rad = turn_rad}, height);
     tree_ = test::make_regular_tree(dem_, {.tile_cells = 16});
   }
 
@@ -65,6 +65,16 @@ class ImageAuditTest : public testing::Test {
   TestTree tree_;
   std::vector<Violation> violations_;
 };
+
+TEST_F(ImageAuditTest, PassesATreeOverATurnedGrid) {
+  make([](int c, int r) { return test::hills(c, r, 40); }, 2.2);
+  const ImageReport report = audit();
+  for (const Violation& v : violations_) ADD_FAILURE() << v.message;
+  for (const ViewReport& v : report.views) {
+    EXPECT_GT(v.terrain_px, 0U) << v.name;
+    EXPECT_LE(v.shift_max_px, 1) << v.name;
+  }
+}
 
 TEST_F(ImageAuditTest, PassesAGoodTree) {
   const ImageReport report = audit();
