@@ -14,6 +14,8 @@ constexpr double kPassThresholds[] = {1e-3, 0.256, 65.536, kInfinity};
 constexpr std::int64_t kSettled = 100;
 /// Height error, in bounds, that a vertex may trade for staying near the middle of its edge.
 constexpr double kRidge = 0.05;
+/// How often a sweep looks whether it has been interrupted.
+constexpr std::int32_t kVerticesPerLook = 256;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -74,6 +76,7 @@ void EdgeCollapse::init_quadrics() {
 std::int64_t EdgeCollapse::sweep(double threshold) {
   std::int64_t gone = 0;
   for (std::int32_t v = 0; v < mesh_->vertex_count(); ++v) {
+    if (v % kVerticesPerLook == 0 && distance_->interrupted()) return 0;
     if (!mesh_->alive(v) || kind(v) > VertexKind::kSlide || failed_cost_[at(v)] >= threshold) continue;
     collect_candidates(v, threshold);
     bool collapsed = false;

@@ -41,7 +41,8 @@ struct CollapseStep {
 /// Not thread-safe; reuses its memory from run to run.
 class EdgeCollapse {
  public:
-  /// Appends every collapse to `log` when given.
+  /// Appends every collapse to `log` when given. Ends early, with a valid mesh, once the distance's view is
+  /// interrupted.
   void run(HalfEdgeMesh& mesh, SurfaceDistance& distance, const CollapseSpec& spec,
            std::vector<CollapseStep>* log = nullptr);
 

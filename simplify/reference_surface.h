@@ -11,6 +11,7 @@
 #include "cache/height_blocks.h"
 #include "codec/error.h"
 #include "codec/grid_frame.h"
+#include "codec/stop_flag.h"
 
 namespace tintree::simplify {
 
@@ -86,7 +87,9 @@ class ReferenceSurface {
 /// need not look. Not thread-safe.
 class SurfaceView {
  public:
-  explicit SurfaceView(const ReferenceSurface& surface) : surface_(&surface) {}
+  /// `stop` may be null and must outlive the view.
+  explicit SurfaceView(const ReferenceSurface& surface, const StopFlag* stop = nullptr)
+      : surface_(&surface), stop_(stop) {}
 
   const ReferenceSurface& surface() const { return *surface_; }
   /// The block of cell (column, row); valid until the next call. Cells outside the DEM read as missing.
@@ -100,6 +103,12 @@ class SurfaceView {
   /// Heights of a window as the DEM has them, in double (RasterSource::read); block heights are rounded to float.
   void read_exact(const codec::CellRect& window, std::vector<double>& heights_m);
   const std::optional<Error>& error() const { return error_; }
+  /// True when there is no point in going on: a read has failed or a stop was asked for; error() says which.
+  /// Long loops ask this every few milliseconds.
+  bool interrupted() {
+    if (!error_ && is_set(stop_)) error_ = Error{ErrorCode::kStopped, "stopped", {}};
+    return error_.has_value();
+  }
 
  private:
   const cache::HeightBlock& fetch(std::int64_t bx, std::int64_t by);
@@ -107,6 +116,7 @@ class SurfaceView {
   static constexpr std::size_t kPinnedBlocks = 64;
 
   const ReferenceSurface* surface_;
+  const StopFlag* stop_;
   struct Pin {
     std::int64_t key = -1;
     std::shared_ptr<const cache::HeightBlock> block;

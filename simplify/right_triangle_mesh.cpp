@@ -32,7 +32,7 @@ class Splitter {
 
   SplitFlags run() {
     force_border();
-    for (std::int64_t y = 0; y < cells_; y += kSquare) {
+    for (std::int64_t y = 0; y < cells_ && !distance_->interrupted(); y += kSquare) {
       for (std::int64_t x = 0; x < cells_; x += kSquare) {
         if (is_active(x, y, kSquare)) split_square(x, y);
       }
@@ -167,7 +167,7 @@ class Splitter {
   }
 
   void split_all(std::int64_t x0, std::int64_t y0, std::int64_t extent, std::int64_t side) {
-    for (std::int64_t y = y0; y < y0 + extent; y += side) {
+    for (std::int64_t y = y0; y < y0 + extent && !distance_->interrupted(); y += side) {
       for (std::int64_t x = x0; x < x0 + extent; x += side) split_side(x, y, side);
     }
   }
@@ -312,6 +312,7 @@ StartMesh right_triangle_mesh(SurfaceDistance& distance, const SurfaceView& view
                               std::int64_t row0, std::int64_t cells, double bound_m, const HeightLattice& heights,
                               const CornerFlips& flips) {
   SplitFlags flags = Splitter(distance, view, column0, row0, cells, bound_m, heights).run();
+  if (distance.interrupted()) return {};
   return Extractor(distance, flags, cells, heights, flips).run();
 }
 

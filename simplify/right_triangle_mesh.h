@@ -29,7 +29,8 @@ struct CornerFlips {
 /// Corners have snapped heights. The cells along the tile's border are at full resolution with the surface's
 /// own diagonals, as the ribbons need them; only flags are stored, so coarse levels of a flat surface stop at
 /// once. Covers exactly the surface's domain in the square. Cost: 10 to 50 ns a sample where the surface is
-/// rough at this bound, next to nothing where its residual pyramid shows that it is flat.
+/// rough at this bound, next to nothing where its residual pyramid shows that it is flat. Gives an empty mesh without
+/// sides once the view is interrupted.
 StartMesh right_triangle_mesh(SurfaceDistance& distance, const SurfaceView& view, std::int64_t column0,
                               std::int64_t row0, std::int64_t cells, double bound_m, const HeightLattice& heights,
                               const CornerFlips& flips);

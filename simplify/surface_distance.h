@@ -35,6 +35,8 @@ class SurfaceDistance {
   double height_at(double x, double y);
   /// Height of the sample at whole coordinates, NaN when missing.
   double sample(std::int64_t x, std::int64_t y) { return view_->sample(column0_ + x, row0_ + y); }
+  /// SurfaceView::interrupted().
+  bool interrupted() { return view_->interrupted(); }
 
   /// Narrows `interval`, relative to hub.z, to the hub heights that keep triangle (hub, b, c) within
   /// `bound_m` of every sample inside it. The side (b, c) is not tested: it is an old edge. Stops early

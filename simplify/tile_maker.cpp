@@ -5,8 +5,8 @@
 namespace tintree::simplify {
 
 std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,
-                                           const codec::TreeLayout& layout) {
-  if (method == "tin") return std::make_unique<TinMaker>(surface, layout);
+                                           const codec::TreeLayout& layout, const StopFlag* stop) {
+  if (method == "tin") return std::make_unique<TinMaker>(surface, layout, stop);
   return nullptr;
 }
 

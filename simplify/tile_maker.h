@@ -5,6 +5,7 @@
 
 #include "codec/error.h"
 #include "codec/grid_frame.h"
+#include "codec/stop_flag.h"
 #include "codec/tile_mesh.h"
 #include "simplify/reference_surface.h"
 
@@ -19,12 +20,12 @@ class TileMaker {
 
   /// A mesh over the existing surface in the tile's square, within the level's bound of it everywhere; without
   /// triangles when there is no surface. Fails with kBadData when the heights do not fit the lattice, and with
-  /// what the DEM's reader says.
+  /// what the DEM's reader says, and with kStopped soon after a stop was asked for, even inside a tile.
   virtual Expected<codec::TileMesh> make(const codec::TileId& id) = 0;
 };
 
-/// A maker of the method ("tin"), or null for one that this version lacks.
+/// A maker of the method ("tin"), or null for one that this version lacks. `stop` must outlive it.
 std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,
-                                           const codec::TreeLayout& layout);
+                                           const codec::TreeLayout& layout, const StopFlag* stop = nullptr);
 
 }  // namespace tintree::simplify

@@ -17,8 +17,8 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-TinMaker::TinMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout)
-    : view_(surface), layout_(layout) {}
+TinMaker::TinMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, const StopFlag* stop)
+    : view_(surface, stop), layout_(layout) {}
 
 Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
   const std::int64_t cells = layout_.cells_across(id.level);
@@ -35,6 +35,7 @@ Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
   const CornerFlips flips{may_flip(view_, column0 + last, row0, bound, heights),
                           may_flip(view_, column0, row0 + last, bound, heights)};
   StartMesh start = right_triangle_mesh(distance, view_, column0, row0, cells, tested, heights, flips);
+  if (view_.interrupted()) return tl::unexpected(*view_.error());
   for (LatticeVertex& v : start.vertices) {
     v.x <<= kSubBits;
     v.y <<= kSubBits;

@@ -13,7 +13,7 @@ namespace tintree::simplify {
 /// itself.
 class TinMaker final : public TileMaker {
  public:
-  TinMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout);
+  TinMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, const StopFlag* stop = nullptr);
 
   Expected<codec::TileMesh> make(const codec::TileId& id) override;
 

@@ -124,6 +124,18 @@ TEST(TinMaker, UsesTheCoarsestAddressesThatHold) {
   EXPECT_EQ(static_cast<double>(mesh.z_offset) * layout.z_step_m[0], 5.0);
 }
 
+TEST(TinMaker, StopsWhenAsked) {
+  const Terrain terrain = test::make_terrain(129, 129, test::rough_hills(50, 1, 0));
+  const codec::TreeLayout layout = test::make_layout(terrain, 128, 1);
+  StopFlag stop = false;
+  TinMaker maker(*terrain.surface, layout, &stop);
+  EXPECT_TRUE(maker.make({}).has_value());
+  stop = true;
+  const auto stopped = maker.make({});
+  ASSERT_FALSE(stopped.has_value());
+  EXPECT_EQ(stopped.error().code, ErrorCode::kStopped);
+}
+
 TEST(TinMaker, RefusesReliefThatTheFormatCannotHold) {
   const Terrain terrain = test::make_terrain(65, 65, [](int c, int) { return c == 30 ? 65536.0 * 8 : 0.0; });
   codec::TreeLayout layout = test::make_layout(terrain, 64, 1);
