@@ -8,6 +8,9 @@
 #include <unordered_map>
 #include <utility>
 
+#include <fmt/format.h>
+#include <xxhash.h>
+
 namespace tintree::cache {
 namespace {
 
@@ -44,6 +47,12 @@ std::shared_ptr<const HeightBlock> make_block(std::int64_t column0, std::int64_t
 }
 
 }  // namespace
+
+BlockDigest digest_of(const HeightBlock& block) {
+  const XXH128_hash_t hash = XXH3_128bits_withSeed(block.heights.data(), block.heights.size() * sizeof(float),
+                                                   static_cast<XXH64_hash_t>(static_cast<std::int64_t>(block.base_m)));
+  return {hash.low64, hash.high64};
+}
 
 /// Least recently used blocks by bytes.
 struct HeightBlocks::Cache {
@@ -97,6 +106,13 @@ Expected<std::shared_ptr<const HeightBlock>> HeightBlocks::get(std::int64_t bx, 
     return tl::unexpected(read.error());
   }
   auto block = make_block(bx * kBlockCells, by * kBlockCells, window.data(), kBlockSamples, kBlockSamples);
+  if (!expected_.empty() && digest_of(*block) != expected_[static_cast<std::size_t>(key)]) {
+    return fail(ErrorCode::kIo,
+                fmt::format("rows {} to {} hold other heights than when they were read first: the file was changed "
+                            "meanwhile; restore it",
+                            block->row0, block->row0 + kBlockCells),
+                source_->info().path);
+  }
   cache_->insert(key, block);
   return block;
 }

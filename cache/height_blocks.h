@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cache/raster_source.h"
@@ -31,6 +32,10 @@ struct HeightBlock {
   const float* row(int j) const { return heights.data() + static_cast<std::ptrdiff_t>(j) * kBlockStride; }
 };
 
+/// XXH3-128 over a block's samples (docs/format.md, Digest of the samples): the low 64 bits, then the high ones.
+using BlockDigest = std::array<std::uint64_t, 2>;
+BlockDigest digest_of(const HeightBlock& block);
+
 /// The DEM as a grid of blocks behind a cache of bounded size. Thread-safe.
 class HeightBlocks {
  public:
@@ -49,6 +54,10 @@ class HeightBlocks {
   /// Block (bx, by), bx eastward and by southward from the north-west; reads it if need be.
   Expected<std::shared_ptr<const HeightBlock>> get(std::int64_t bx, std::int64_t by);
 
+  /// What every block, row by row, is known to hold: from now on get() fails with kIo for one that reads
+  /// otherwise, because the file has been changed meanwhile. Call it before several threads read.
+  void expect(std::vector<BlockDigest> digests) { expected_ = std::move(digests); }
+
   /// Reads the whole DEM once, in the order in which the file lies, and hands every block to `visit`,
   /// row of blocks by row of blocks; what fits stays in the cache. `visit` returns false to stop.
   Expected<void> stream(
@@ -63,6 +72,7 @@ class HeightBlocks {
   std::int64_t blocks_x_;
   std::int64_t blocks_y_;
   std::unique_ptr<Cache> cache_;
+  std::vector<BlockDigest> expected_;  // empty: nothing is known
 };
 
 }  // namespace tintree::cache

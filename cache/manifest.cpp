@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -43,8 +44,8 @@ std::string differ(const char* what, const auto& there, const auto& here) {
   return there == here ? std::string() : fmt::format("{}: {} there, {} here", what, there, here);
 }
 
-/// Compares the files' names in their order, without folders: a build may be resumed after they have moved.
-std::string differ(const std::vector<InputFile>& there, const std::vector<InputFile>& here) {
+/// In how many files, or in which file's name, the inputs differ; folders do not count.
+std::string other_files(const std::vector<InputFile>& there, const std::vector<InputFile>& here) {
   if (there.size() != here.size()) return differ("number of input files", there.size(), here.size());
   for (std::size_t i = 0; i < there.size(); ++i) {
     const auto name = [i](const std::vector<InputFile>& files) {
@@ -55,6 +56,21 @@ std::string differ(const std::vector<InputFile>& there, const std::vector<InputF
     }
   }
   return {};
+}
+
+/// How files of the same names differ whose heights do.
+std::string other_heights(const std::vector<InputFile>& there, const std::vector<InputFile>& here) {
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    const InputFile& a = there[i];
+    const InputFile& b = here[i];
+    if (a.bytes != b.bytes) return fmt::format("the size of {}: {} bytes there, {} here", b.path, a.bytes, b.bytes);
+    if (a.modified_s != b.modified_s) {
+      return fmt::format("the samples of {}, which was modified at {:%F %T} UTC there, at {:%F %T} here", b.path,
+                         fmt::gmtime(a.modified_s), fmt::gmtime(b.modified_s));
+    }
+  }
+  return fmt::format("the samples of {}: other heights in files of the same size and time",
+                     here.empty() ? "the DEM" : here.front().path);
 }
 
 }  // namespace
@@ -131,17 +147,22 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
 std::string Manifest::difference(const Manifest& other) const {
   const codec::TreeLayout& a = layout;
   const codec::TreeLayout& b = other.layout;
+  const bool same_heights = samples_digest == other.samples_digest;
   for (const std::string& d :
-       {differ(inputs, other.inputs), differ("--method", method, other.method),
+       {differ("--method", method, other.method),
         differ("--nodata", std::string(nodata_name(nodata)), std::string(nodata_name(other.nodata))),
-        differ("--tile", a.tile_cells, b.tile_cells), differ("--error", a.leaf_error_m, b.leaf_error_m),
+        differ("--tile", a.tile_cells, b.tile_cells),
+        // Says more than the size and spacing that come of it.
+        same_heights ? std::string() : other_files(inputs, other.inputs),
         differ("columns of the DEM", a.columns, b.columns), differ("rows of the DEM", a.rows, b.rows),
         differ("sample spacing east-west", a.dx_m, b.dx_m), differ("sample spacing north-south", a.dy_m, b.dy_m),
-        differ("height unit", height_unit_m, other.height_unit_m),
-        differ("digest of the DEM's samples", samples_digest, other.samples_digest)}) {
+        differ("--error", a.leaf_error_m, b.leaf_error_m), differ("height unit", height_unit_m, other.height_unit_m)}) {
     if (!d.empty()) return d;
   }
   if (a.axes != b.axes) return "direction of the DEM's rows and columns";
+  if (!same_heights) return other_heights(inputs, other.inputs);
+  if (crs_wkt != other.crs_wkt || geographic != other.geographic) return "the coordinate reference system of the DEM";
+  if (geotransform != other.geotransform) return "the georeference of the DEM";
   if (a.z_step_m != b.z_step_m) return "height steps";
   return {};
 }

@@ -29,8 +29,9 @@ struct Manifest {
   /// Fails with kBadData on anything missing, of the wrong type or out of range.
   static Expected<Manifest> from_json(const std::string& text);
 
-  /// The option or input in which a build of `other` would differ, with both values; empty when a
-  /// build of `other` may resume this one.
+  /// The option or input in which a build of `other` would differ, with both values; empty when a build of `other` may
+  /// resume this one. Equal samples make equal inputs, wherever the files lie and whatever their time; where the
+  /// samples differ, number, names, size and time of the files help to say how.
   std::string difference(const Manifest& other) const;
 };
 

@@ -49,6 +49,13 @@ void register_drivers() {
   });
 }
 
+/// Size and time; both 0 for what GDAL finds under a name that is none of a file.
+InputFile describe_file(const std::string& path) {
+  struct stat file {};
+  if (::stat(path.c_str(), &file) != 0) return {path};
+  return {path, static_cast<std::uint64_t>(file.st_size), file.st_mtime};
+}
+
 }  // namespace
 
 struct RasterFile::Impl {
@@ -90,8 +97,6 @@ Expected<void> RasterFile::Impl::open_dataset() {
                 path);
   }
   band = dataset->GetRasterBand(1);
-  info.input.bytes = is_file ? static_cast<std::uint64_t>(file.st_size) : 0;
-  info.input.modified_s = is_file ? file.st_mtime : 0;
   return {};
 }
 
@@ -212,10 +217,18 @@ const RasterFileInfo& RasterFile::info() const { return impl_->info; }
 bool RasterFile::is_open() const { return impl_->dataset != nullptr; }
 void RasterFile::close() { impl_->dataset.reset(); }
 
+Expected<void> RasterFile::check_unchanged() const {
+  const InputFile& before = impl_->info.input;
+  const InputFile now = describe_file(before.path);
+  // Before, it was no file of this name; now, it is one no more.
+  if (before.modified_s == 0 || now.modified_s == 0 || now == before) return {};
+  return fail(ErrorCode::kIo, "the file was changed while it was being read; restore it", before.path);
+}
+
 Expected<RasterFile> RasterFile::open(const std::string& path) {
   register_drivers();
   auto impl = std::make_unique<Impl>();
-  impl->info.input.path = path;
+  impl->info.input = describe_file(path);
   if (auto opened = impl->open_dataset(); !opened) return tl::unexpected(opened.error());
   if (auto described = impl->describe(); !described) return tl::unexpected(described.error());
   return RasterFile(std::move(impl));
@@ -225,6 +238,7 @@ Expected<void> RasterFile::read(std::int64_t column, std::int64_t row, std::int6
                                 double* heights_m, std::int64_t stride) {
   Impl& file = *impl_;
   if (!is_open()) {
+    if (auto same = check_unchanged(); !same) return same;
     if (auto opened = file.open_dataset(); !opened) return opened;
   }
   const auto c = static_cast<int>(file.flip_columns ? file.info.columns - column - width : column);

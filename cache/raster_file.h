@@ -60,6 +60,10 @@ class RasterFile {
   Expected<void> read(std::int64_t column, std::int64_t row, std::int64_t width, std::int64_t height, double* heights_m,
                       std::int64_t stride);
 
+  /// Fails with kIo when the file's size or time has changed since it was opened first. A file that was removed
+  /// meanwhile can be read to the end.
+  Expected<void> check_unchanged() const;
+
   /// Gives the file and GDAL's blocks of it back.
   void close();
   bool is_open() const;

@@ -237,8 +237,11 @@ Expected<void> RasterSource::Impl::make_copy(const StageOptions& options) {
       return fail(ErrorCode::kStopped, "stopped while reading the DEM, before any tile was made");
     }
   }
+  for (Part& part : parts) {
+    if (auto same = part.file.check_unchanged(); !same) return same;
+    part.file.close();
+  }
   copy = std::move(*scratch);
-  for (Part& part : parts) part.file.close();
   open.clear();
   return {};
 }
@@ -250,6 +253,14 @@ RasterSource::~RasterSource() = default;
 
 const RasterInfo& RasterSource::info() const { return impl_->info; }
 bool RasterSource::is_copied() const { return impl_->copy.has_value(); }
+
+Expected<void> RasterSource::check_unchanged() const {
+  if (is_copied()) return {};
+  for (const Part& part : impl_->parts) {
+    if (auto same = part.file.check_unchanged(); !same) return same;
+  }
+  return {};
+}
 
 Expected<RasterSource> RasterSource::open(const std::vector<std::string>& paths) {
   if (paths.empty()) return fail(ErrorCode::kUsage, "no DEM is given");

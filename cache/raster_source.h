@@ -67,6 +67,9 @@ class RasterSource {
   ~RasterSource();
 
   const RasterInfo& info() const;
+  /// Fails with kIo when a file's size or time has changed since it was opened. A file that was removed meanwhile can
+  /// be read to the end, and once they are copied they do not matter any more.
+  Expected<void> check_unchanged() const;
 
   /// Fills holes if asked to, and copies the heights into a temporary file if windows would otherwise decode
   /// much of the raster again and again. The copy is exact. Not thread-safe.

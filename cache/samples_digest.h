@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cache/height_blocks.h"
@@ -18,16 +19,12 @@ class SamplesDigest {
   void add(std::int64_t bx, std::int64_t by, const HeightBlock& block);
   /// 32 hexadecimal digits, once every block has been added.
   std::string text() const;
+  /// Gives away what was added, for HeightBlocks::expect.
+  std::vector<BlockDigest> take() { return std::move(digests_); }
 
  private:
-  /// An XXH3-128 hash as it lies in memory.
-  struct Hash {
-    std::uint64_t low = 0;
-    std::uint64_t high = 0;
-  };
-
   std::int64_t blocks_x_;
-  std::vector<Hash> hashes_;
+  std::vector<BlockDigest> digests_;
 };
 
 }  // namespace tintree::cache

@@ -6,15 +6,43 @@
 
 namespace tintree::cache {
 
-Expected<SqliteDb> SqliteDb::open(const std::string& path, int flags) {
+namespace {
+
+int flags_of(SqliteDb::Access access) {
+  switch (access) {
+    case SqliteDb::Access::kRead:
+      return SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_READONLY;
+    case SqliteDb::Access::kOwn:
+      return SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_READWRITE;
+    case SqliteDb::Access::kCreate:
+      return SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  }
+  return 0;
+}
+
+int look_at_stop(void* stop) { return is_set(static_cast<const StopFlag*>(stop)) ? 1 : 0; }
+
+}  // namespace
+
+Expected<SqliteDb> SqliteDb::open(const std::string& path, Access access) {
   SqliteDb db;
   db.path_ = path;
   sqlite3* handle = nullptr;
-  const int rc = sqlite3_open_v2(path.c_str(), &handle, flags, nullptr);
+  const int rc = sqlite3_open_v2(path.c_str(), &handle, flags_of(access), nullptr);
   db.handle_.reset(handle);
   if (rc != SQLITE_OK) return tl::unexpected(db.last_error());
   sqlite3_extended_result_codes(handle, 1);
+  if (access != Access::kRead) {
+    if (auto done = db.exec("PRAGMA locking_mode = EXCLUSIVE"); !done) return tl::unexpected(done.error());
+  }
   return db;
+}
+
+void SqliteDb::set_stop(const StopFlag* stop) {
+  constexpr int kStepsPerLook = 1000;
+  // SQLite hands the flag back as it got it, and look_at_stop() only reads it.
+  sqlite3_progress_handler(handle_.get(), stop == nullptr ? 0 : kStepsPerLook, look_at_stop,
+                           const_cast<StopFlag*>(stop));
 }
 
 Error SqliteDb::last_error() const {
@@ -37,6 +65,8 @@ Error SqliteDb::last_error() const {
       return {ErrorCode::kIo, "may not be written to; check its permissions", path_};
     case SQLITE_BUSY:
       return {ErrorCode::kIo, "is in use by another program; wait for it or stop it", path_};
+    case SQLITE_INTERRUPT:
+      return {ErrorCode::kStopped, "stopped", {}};
     case SQLITE_IOERR:
       return {ErrorCode::kIo, "cannot be read or written (" + (system != 0 ? std::strerror(system) : reason) + ")",
               path_};

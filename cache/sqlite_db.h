@@ -9,6 +9,7 @@
 #include <sqlite3.h>
 
 #include "codec/error.h"
+#include "codec/stop_flag.h"
 
 namespace tintree::cache {
 
@@ -16,11 +17,17 @@ namespace tintree::cache {
 /// Not thread-safe.
 class SqliteDb {
  public:
-  /// `flags` as of sqlite3_open_v2.
-  static Expected<SqliteDb> open(const std::string& path, int flags);
+  /// kRead shares an existing file with other readers; kOwn writes to it and from the first use on lets no other
+  /// program in, and kCreate makes it first.
+  enum class Access { kRead, kOwn, kCreate };
+  static Expected<SqliteDb> open(const std::string& path, Access access);
 
   const std::string& path() const { return path_; }
   Expected<void> exec(const char* sql);
+  /// Whether the last call failed because another program holds the file.
+  bool is_busy() const { return (sqlite3_errcode(handle_.get()) & 0xff) == SQLITE_BUSY; }
+  /// From now on calls fail with kStopped once `stop` is set, even in the middle; null: never.
+  void set_stop(const StopFlag* stop);
   /// What the last call failed of, as an Error: kIo for the disk, kBadData for a damaged file.
   Error last_error() const;
 

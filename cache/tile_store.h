@@ -11,6 +11,7 @@
 #include "cache/manifest.h"
 #include "cache/tile_bounds.h"
 #include "codec/error.h"
+#include "codec/stop_flag.h"
 #include "codec/tile_id.h"
 #include "codec/tile_mesh.h"
 
@@ -59,7 +60,7 @@ class TileStore {
 Expected<codec::TileMesh> decode_tile(const Manifest& manifest, const StoredTile& tile);
 
 /// Writes a tree. Until finish() the file lies beside its goal under building_path(), where a build that
-/// was stopped can go on. Not thread-safe: one writer, one thread.
+/// was stopped or killed can go on. It belongs to one writer at a time: another fails with kIo. Not thread-safe.
 class TileWriter {
  public:
   static std::string building_path(const std::string& path) { return path + ".building"; }
@@ -79,11 +80,13 @@ class TileWriter {
   Expected<StoredTile> read(const codec::TileId& id) const;
   /// Adds a tile, or replaces it.
   Expected<void> put(const StoredTile& tile);
-  /// Makes everything put so far survive a crash. put() also does so by itself now and then.
+  /// Makes everything put so far survive the end of the process, kill -9 included. put() also does so by itself now
+  /// and then.
   Expected<void> commit();
-  /// All tiles are there and measured: stores the hierarchy and the digest, and moves the file to its
-  /// goal, replacing what is there. Returns the digest.
-  Expected<std::string> finish();
+  /// All tiles are there and measured: stores the hierarchy and the digest, and puts a packed copy into its
+  /// place, replacing what is there; needs room for that copy. Returns the digest. kStopped once `stop` is set; after
+  /// any failure the unfinished tree stays resumable.
+  Expected<std::string> finish(const StopFlag* stop = nullptr);
 
  private:
   struct Impl;

@@ -176,7 +176,7 @@ Expected<void> Pass::run() {
   }
   tbb::parallel_for_each(tasks, [this](Task& task) { run_task(task); });
   if (error_) return tl::unexpected(*error_);
-  if (halt_) return fail(ErrorCode::kStopped, "stopped; what is finished is kept");
+  if (halt_) return fail(ErrorCode::kStopped, "stopped");
   for (Task& task : tasks) {
     results_.merge(task.within);
     TileId id = task.root;
@@ -211,16 +211,10 @@ Expected<void> measure_tiles(const ReferenceSurface& surface, const cache::Manif
                               error.max_m, bound),
                   "tile " + tile->info.id.text());
     }
-    LevelSummary& summary = levels[static_cast<std::size_t>(level)];
-    ++summary.tiles;
-    summary.vertices += tile->info.vertices;
-    summary.triangles += tile->info.triangles;
-    summary.bytes += tile->payload.size();
+    levels[static_cast<std::size_t>(level)].add(*tile);
     totals[static_cast<std::size_t>(level)] += error;
   }
   for (std::size_t l = 0; l < levels.size(); ++l) {
-    levels[l].level = static_cast<int>(l);
-    levels[l].bound_m = manifest.layout.bound_m(static_cast<int>(l));
     levels[l].error_m = totals[l].max_m;
     levels[l].rms_m = totals[l].rms_m();
   }

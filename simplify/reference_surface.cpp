@@ -177,10 +177,11 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
       });
   tasks.wait();
   if (!streamed) return tl::unexpected(streamed.error());
-  if (stopped) return fail(ErrorCode::kStopped, "stopped while reading the DEM, before any tile was made");
+  if (stopped) return fail(ErrorCode::kStopped, "stopped");
   for (const std::uint64_t v : valid) out->valid_samples_ += v;
   out->has_surface_ = std::ranges::find(surface, 1) != surface.end();
   out->digest_ = digest.text();
+  out->blocks_->expect(digest.take());
   return out;
 }
 

@@ -55,7 +55,8 @@ BlockPatches make_patches(const cache::HeightBlock& block);
 /// Immutable after scan() and safe to share between threads.
 class ReferenceSurface {
  public:
-  /// Reads the DEM once. `progress(done, total)` counts blocks and returns false to stop (kStopped).
+  /// Reads the DEM once. `progress(done, total)` counts blocks and returns false to stop (kStopped). From then on
+  /// `blocks` refuses to read anything else from the file than what was scanned.
   static Expected<std::unique_ptr<ReferenceSurface>> scan(
       std::shared_ptr<cache::HeightBlocks> blocks,
       const std::function<bool(std::uint64_t done, std::uint64_t total)>& progress);

@@ -81,7 +81,29 @@ MadeTile make_one(TileMaker& maker, const codec::MeshCodec& codec, const cache::
   return out;
 }
 
+/// Stores a tile at once, so that a killed build has lost no more than the tiles in the making.
+Expected<void> keep(cache::TileWriter& writer, const cache::StoredTile& tile) {
+  if (tile.payload.empty()) return {};
+  auto done = writer.put(tile);
+  return done ? writer.commit() : done;
+}
+
 }  // namespace
+
+void LevelSummary::add(const cache::StoredTile& tile) {
+  ++tiles;
+  vertices += tile.info.vertices;
+  triangles += tile.info.triangles;
+  bytes += tile.payload.size();
+}
+
+std::vector<LevelSummary> make_levels(const codec::TreeLayout& layout) {
+  std::vector<LevelSummary> levels;
+  for (int level = 0; level <= layout.leaf_level; ++level) {
+    levels.push_back({.level = level, .bound_m = layout.bound_m(level)});
+  }
+  return levels;
+}
 
 Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout) {
   const auto range = surface.height_range_m(layout.cells({0, 0, 0}));
@@ -115,7 +137,8 @@ Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surfac
 }
 
 Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, const cache::Manifest& manifest,
-                                               cache::TileWriter& writer, const ProgressFn& progress) {
+                                               cache::TileWriter& writer, const ProgressFn& progress,
+                                               const StopFlag* stop) {
   const codec::TreeLayout& layout = manifest.layout;
   const codec::MeshCodec* codec = codec::find_codec(manifest.method);
   if (codec == nullptr) return fail(ErrorCode::kUsage, "method '" + manifest.method + "' is unknown", "--method");
@@ -128,9 +151,9 @@ Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, 
   const std::uint64_t total = todo.size();
   std::erase_if(todo, [&](const TileId& id) { return done_before.contains(id.key()); });
 
-  std::vector<LevelSummary> levels(static_cast<std::size_t>(layout.leaf_level) + 1);
+  std::vector<LevelSummary> levels = make_levels(layout);
   tbb::enumerable_thread_specific<std::unique_ptr<TileMaker>> makers(
-      [&] { return make_tile_maker(manifest.method, surface, layout); });
+      [&] { return make_tile_maker(manifest.method, surface, layout, stop); });
   std::optional<Error> error;
   std::size_t next = 0;
   std::uint64_t done = total - todo.size();
@@ -138,7 +161,7 @@ Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, 
   const auto tokens = static_cast<std::size_t>(4 * tbb::this_task_arena::max_concurrency());
   tbb::parallel_pipeline(
       tokens, tbb::make_filter<void, TileId>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-                if (halt || next == todo.size()) {
+                if (halt || is_set(stop) || next == todo.size()) {
                   control.stop();
                   return TileId{};
                 }
@@ -146,17 +169,20 @@ Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, 
               }) & tbb::make_filter<TileId, MadeTile>(tbb::filter_mode::parallel, [&](const TileId& id) {
                 return make_one(*makers.local(), *codec, manifest, id);
               }) & tbb::make_filter<MadeTile, void>(tbb::filter_mode::serial_out_of_order, [&](const MadeTile& made) {
-                if (!error && made.error) error = made.error;
-                if (!error && !made.tile.payload.empty()) {
-                  if (auto put = writer.put(made.tile); !put) error = put.error();
+                // A failure does not cost the tiles that were in the making beside it.
+                auto kept = made.error ? tl::unexpected(*made.error) : keep(writer, made.tile);
+                if (!kept) {
+                  if (!error) error = kept.error();
+                  halt = true;
+                  return;
                 }
-                levels[static_cast<std::size_t>(made.tile.info.id.level)].make_seconds += made.seconds;
-                const bool go_on = progress("tiles", ++done, total);
-                if (error || !go_on) halt = true;
+                LevelSummary& level = levels[static_cast<std::size_t>(made.tile.info.id.level)];
+                level.tiles_made += made.tile.payload.empty() ? 0 : 1;
+                level.make_seconds += made.seconds;
+                if (!progress("tiles", ++done, total)) halt = true;
               }));
-  if (auto committed = writer.commit(); !committed && !error) error = committed.error();
   if (error) return tl::unexpected(*error);
-  if (halt && done < total) return fail(ErrorCode::kStopped, "stopped; what is finished is kept");
+  if (done < total) return fail(ErrorCode::kStopped, "stopped");
   return levels;
 }
 

@@ -8,6 +8,7 @@
 #include "cache/manifest.h"
 #include "cache/tile_store.h"
 #include "codec/error.h"
+#include "codec/stop_flag.h"
 #include "simplify/reference_surface.h"
 
 namespace tintree::simplify {
@@ -23,20 +24,29 @@ struct LevelSummary {
   std::uint64_t triangles = 0;
   std::uint64_t bytes = 0;  ///< Payloads.
   double bound_m = 0;
-  double error_m = 0;       ///< Largest measured error of a tile.
-  double rms_m = 0;         ///< Over all its tiles' samples.
-  double make_seconds = 0;  ///< Spent by all threads together in this run.
+  double error_m = 0;            ///< Largest measured error of a tile.
+  double rms_m = 0;              ///< Over all its tiles' samples.
+  std::uint64_t tiles_made = 0;  ///< In this run, not in one that it went on with.
+  double make_seconds = 0;       ///< Spent on them by all threads together.
+
+  /// Counts a tile, not its error.
+  void add(const cache::StoredTile& tile);
 };
+
+/// A summary for every level, of no tiles yet.
+std::vector<LevelSummary> make_levels(const codec::TreeLayout& layout);
 
 /// The height steps of every level: a quarter of its bound. Fails with kBadData when some tile's relief is too
 /// large for the format at that step; says what error would do.
 Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout);
 
 /// Makes all tiles that `writer` lacks, in depth-first Z-order, children before their parent, over all threads
-/// of the current oneTBB arena, and commits them in batches. The tiles are the same whatever the number of
-/// threads. Memory: a constant number of tiles a thread.
+/// of the current oneTBB arena, and commits each. The tiles are the same whatever the number of threads. Memory: a
+/// constant number of tiles a thread. kStopped soon after `stop` is set (null: never); `writer` then holds every tile
+/// that was made.
 Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, const cache::Manifest& manifest,
-                                               cache::TileWriter& writer, const ProgressFn& progress);
+                                               cache::TileWriter& writer, const ProgressFn& progress,
+                                               const StopFlag* stop = nullptr);
 
 /// Decodes every tile again and measures it against the DEM in one pass over the DEM, all levels at once;
 /// stores the measured errors and adds them to `levels`. kCheckFailed if a tile breaks its level's bound.

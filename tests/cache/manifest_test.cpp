@@ -174,9 +174,31 @@ TEST(Manifest, DifferenceNamesTheOption) {
          o.layout.axes = {{0, -1}, {-1, 0}};
        }},
       {"--nodata", [](Manifest& o) { o.nodata = NodataPolicy::kFill; }},
-      {"number of input files", [](Manifest& o) { o.inputs.push_back(o.inputs[0]); }},
-      {"input file 1", [](Manifest& o) { o.inputs[0].path = "/dems/b.tif"; }},
-      {"samples", [](Manifest& o) { o.samples_digest = "ffff"; }},
+      {"same size and time", [](Manifest& o) { o.samples_digest = "ffff"; }},
+      {"/dems/a.tif: 123456789012 bytes there, 5 here",
+       [](Manifest& o) {
+         o.samples_digest = "ffff";
+         o.inputs[0].bytes = 5;
+       }},
+      {"/dems/a.tif, which was modified at 2023-11-14 22:13:20 UTC there, at 2023-11-14 22:13:21 here",
+       [](Manifest& o) {
+         o.samples_digest = "ffff";
+         ++o.inputs[0].modified_s;
+       }},
+      {"number of input files: 1 there, 2 here",
+       [](Manifest& o) {
+         o.samples_digest = "ffff";
+         o.layout.columns = 22;
+         o.inputs.push_back({});
+       }},
+      {"input file 1: \"a.tif\" there, \"b.tif\" here",
+       [](Manifest& o) {
+         o.samples_digest = "ffff";
+         o.inputs[0].path = "/dems/b.tif";
+       }},
+      {"coordinate reference system", [](Manifest& o) { o.crs_wkt = "LOCAL_CS[]"; }},
+      {"coordinate reference system", [](Manifest& o) { o.geographic = false; }},
+      {"georeference", [](Manifest& o) { o.geotransform[3] += 1; }},
   };
   for (const auto& [word, change] : changes) {
     Manifest other = m;
@@ -184,7 +206,7 @@ TEST(Manifest, DifferenceNamesTheOption) {
     EXPECT_NE(m.difference(other).find(word), std::string::npos) << word << ": " << m.difference(other);
   }
   Manifest moved = m;
-  moved.inputs[0].path = "/elsewhere/a.tif";
+  moved.inputs = {{"/elsewhere/a.tif", 1, 1}};
   moved.complete = false;
   moved.digest.clear();
   EXPECT_EQ(m.difference(moved), "");

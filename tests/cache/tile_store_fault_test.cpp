@@ -198,21 +198,23 @@ TEST_F(DamageTest, FilesWithoutTheirTablesAreReported) {
 
 // SQLite's own door for tests: its system calls can be replaced one by one.
 int g_writes_left = -1;  // < 0: no limit
+int g_write_error = ENOSPC;
 
 ssize_t full_pwrite(int fd, const void* data, size_t size, off_t at) {
   if (g_writes_left == 0) {
-    errno = ENOSPC;
+    errno = g_write_error;
     return -1;
   }
   if (g_writes_left > 0) --g_writes_left;
   return ::pwrite(fd, data, size, at);
 }
 
-/// While it lives SQLite may write `writes` times, then the disk is full.
+/// While it lives SQLite may write `writes` times, then each write fails: with ENOSPC the disk is full.
 class FullDisk {
  public:
-  explicit FullDisk(int writes) {
+  explicit FullDisk(int writes, int error = ENOSPC) {
     g_writes_left = writes;
+    g_write_error = error;
     replace(reinterpret_cast<sqlite3_syscall_ptr>(&full_pwrite));
   }
   ~FullDisk() {
@@ -257,21 +259,42 @@ TEST(FullDiskTest, WhereverItFillsUpNothingLooksWholeAndTheBuildCanGoOn) {
       EXPECT_EQ(digest, whole);
       continue;
     }
+    // Whatever has the name of an unfinished build can be resumed.
     if (fs::exists(TileWriter::building_path(path))) {
       const auto finished = go_on(path, small_tree());
-      // Where not even the manifest got to the disk there is nothing to go on with.
-      if (finished) {
-        EXPECT_EQ(*finished, whole);
-        EXPECT_TRUE(TileStore::open(path).has_value());
-      } else {
-        EXPECT_LT(writes, 30) << finished.error().text();
-      }
+      ASSERT_TRUE(finished.has_value()) << finished.error().text();
+      EXPECT_EQ(*finished, whole);
+      EXPECT_TRUE(TileStore::open(path).has_value());
+      EXPECT_EQ(std::distance(fs::directory_iterator(dir.path()), {}), 2) << "something is left over";
+    } else {
+      EXPECT_LT(writes, 30);
     }
     for (const auto& entry : fs::directory_iterator(dir.path())) {
       if (entry.path().filename().string().starts_with("t.tintree")) fs::remove(entry.path());
     }
   }
   EXPECT_GT(writes, 20) << "the disk never filled up";
+}
+
+TEST(FailedWriteTest, SaysWhatTheSystemSaysAndTheBuildCanGoOn) {
+  const test::TempDir dir;
+  const std::string whole = build(dir.file("whole.tintree"), small_tree()).value();
+  const std::string path = dir.file("t.tintree");
+  for (const int writes : {15, 25, 40}) {
+    SCOPED_TRACE(writes);
+    {
+      const FullDisk disk(writes, EIO);
+      const auto built = build(path, small_tree());
+      ASSERT_FALSE(built.has_value());
+      EXPECT_EQ(built.error().code, ErrorCode::kIo);
+      EXPECT_NE(built.error().text().find(path), std::string::npos) << built.error().text();
+      EXPECT_NE(built.error().text().find("cannot be read or written"), std::string::npos) << built.error().text();
+    }
+    EXPECT_FALSE(fs::exists(path));
+    if (!fs::exists(TileWriter::building_path(path))) continue;
+    EXPECT_EQ(go_on(path, small_tree()).value(), whole);
+    fs::remove(path);
+  }
 }
 
 /// Runs `body` in a child process and gives its exit code; 128 + signal when one killed it.

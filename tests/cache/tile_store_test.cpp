@@ -211,6 +211,41 @@ TEST_F(TileStoreTest, CreateDiscardsAnUnfinishedBuild) {
   EXPECT_TRUE(create().keys()->empty());
 }
 
+TEST_F(TileStoreTest, OneWriterAtATime) {
+  TileWriter writer = create();
+  put(writer, small_tree().tiles[0]);
+  for (auto* open : {&TileWriter::create, &TileWriter::resume}) {
+    const auto second = open(path_, small_tree().manifest);
+    ASSERT_FALSE(second.has_value());
+    EXPECT_EQ(second.error().code, ErrorCode::kIo);
+    EXPECT_NE(second.error().message.find("another program"), std::string::npos) << second.error().text();
+  }
+  EXPECT_EQ(writer.keys()->size(), 1U) << "the first goes on undisturbed";
+}
+
+TEST_F(TileStoreTest, FinishStopsWhenAskedAndCanBeRepeated) {
+  TileWriter writer = create();
+  TestTree tree = small_tree();
+  for (auto& tile : tree.tiles) {
+    tile.payload.resize(100000);
+    put(writer, tile);
+  }
+  const StopFlag stop = true;
+  const auto stopped = writer.finish(&stop);
+  ASSERT_FALSE(stopped.has_value());
+  EXPECT_EQ(stopped.error().code, ErrorCode::kStopped) << stopped.error().text();
+  EXPECT_FALSE(fs::exists(path_));
+  EXPECT_TRUE(fs::exists(TileWriter::building_path(path_)));
+  EXPECT_TRUE(writer.finish().has_value());
+}
+
+TEST_F(TileStoreTest, AFinishedFileIsOnePlainFile) {
+  test::write_tree(path_, small_tree());
+  EXPECT_EQ(std::distance(fs::directory_iterator(dir_.path()), {}), 1) << "something is left over";
+  const std::string bytes = test::read_file(path_);
+  EXPECT_EQ(bytes.substr(18, 2), "\1\1") << "rollback journal, not WAL";
+}
+
 TEST_F(TileStoreTest, FinishReplacesAnOlderTree) {
   test::write_file(path_, "something old");
   test::write_tree(path_, small_tree());

@@ -136,6 +136,101 @@ TEST_F(TreeBuilderTest, GoesOnAfterAStop) {
   }
 }
 
+TEST_F(TreeBuilderTest, KeepsEveryTileThatItReports) {
+  // What lies in the files at the moment of a report is what a kill would leave.
+  const std::string building = TileWriter::building_path(path());
+  std::size_t looks = 0;
+  auto writer = create();
+  ASSERT_TRUE(make_tiles(*terrain_.surface, manifest_, writer, [&](const std::string&, std::uint64_t done, auto) {
+                if (done % 5 != 0) return true;
+                for (const char* suffix : {"", "-wal"}) {
+                  std::filesystem::copy_file(building + suffix, TileWriter::building_path(path("copy")) + suffix,
+                                             std::filesystem::copy_options::overwrite_existing);
+                }
+                EXPECT_EQ(TileWriter::resume(path("copy"), manifest_).value().keys()->size(), done);
+                ++looks;
+                return true;
+              }).has_value());
+  EXPECT_GT(looks, 10U);
+}
+
+TEST_F(TreeBuilderTest, StopsWhenAskedAndKeepsWhatIsMade) {
+  const std::string whole = digest_with(2);
+  StopFlag stop = false;
+  std::uint64_t reported = 0;
+  {
+    auto writer = create();
+    const auto stopped = make_tiles(
+        *terrain_.surface, manifest_, writer,
+        [&](const std::string&, std::uint64_t done, std::uint64_t) {
+          reported = done;
+          stop = done >= 20;
+          return true;
+        },
+        &stop);
+    ASSERT_FALSE(stopped.has_value());
+    EXPECT_EQ(stopped.error().code, ErrorCode::kStopped);
+    EXPECT_EQ(writer.keys()->size(), reported);
+  }
+  auto writer = TileWriter::resume(path(), manifest_).value();
+  EXPECT_EQ(run(writer).value(), whole);
+}
+
+/// A DEM in a file that is read again and again, because next to nothing of it is kept in memory.
+class ChangingInputTest : public TreeBuilderTest {
+ protected:
+  ChangingInputTest() {
+    test::write_raster(dem_, {.columns = 1100, .rows = 530}, test::rough_hills(30, 0.1, 0));
+    bytes_ = test::read_file(dem_);
+    use(open(), 128, 4);
+  }
+
+  Terrain open() const {
+    cache::set_raster_cache_bytes(0);
+    auto source = std::make_shared<cache::RasterSource>(cache::RasterSource::open(dem_).value());
+    return {test::read_grid(*source),
+            ReferenceSurface::scan(std::make_shared<cache::HeightBlocks>(source, 0), [](auto, auto) {
+              return true;
+            }).value()};
+  }
+
+  /// Changes the file under a build's hands, and lets it go on with the whole file again.
+  void expect_failure_and_recovery(const std::function<void()>& damage, const std::string& message) {
+    const std::string whole = digest_with(1);
+    {
+      auto writer = create();
+      const auto failed = tbb::task_arena(1).execute([&] {
+        return make_tiles(*terrain_.surface, manifest_, writer, [&](const std::string&, std::uint64_t done, auto) {
+          if (done == 10) damage();
+          return true;
+        });
+      });
+      ASSERT_FALSE(failed.has_value());
+      EXPECT_EQ(failed.error().code, ErrorCode::kIo);
+      EXPECT_NE(failed.error().text().find(dem_), std::string::npos) << failed.error().text();
+      EXPECT_NE(failed.error().text().find(message), std::string::npos) << failed.error().text();
+      EXPECT_GE(writer.keys()->size(), 10U);
+    }
+    test::write_file(dem_, bytes_);
+    terrain_ = open();
+    auto writer = TileWriter::resume(path(), manifest_).value();
+    EXPECT_EQ(run(writer).value(), whole);
+  }
+
+  std::string dem_ = path("dem.tif");
+  std::string bytes_;
+};
+
+TEST_F(ChangingInputTest, TruncatedInTheMiddle) {
+  expect_failure_and_recovery([&] { std::filesystem::resize_file(dem_, bytes_.size() / 4); }, "cannot read rows");
+}
+
+TEST_F(ChangingInputTest, OverwrittenInTheMiddle) {
+  // Other heights of the same kind: nothing but the digest of the samples can tell.
+  test::write_raster(path("other.tif"), {.columns = 1100, .rows = 530}, test::rough_hills(30, 0.1, 0, 9));
+  expect_failure_and_recovery([&] { test::write_file(dem_, test::read_file(path("other.tif"))); }, "other heights");
+}
+
 TEST_F(TreeBuilderTest, ReportsProgressToTheEnd) {
   std::map<std::string, std::uint64_t> last;
   std::set<std::string> ended;
