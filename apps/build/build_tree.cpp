@@ -1,9 +1,11 @@
 #include "apps/build/build_tree.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -15,6 +17,7 @@
 
 #include "apps/common/progress.h"
 #include "apps/common/program.h"
+#include "apps/common/stop_deadline.h"
 #include "cache/height_blocks.h"
 #include "cache/raster_source.h"
 #include "cache/tile_store.h"
@@ -37,24 +40,39 @@ std::string folder_of(const std::string& path) {
   const std::string parent = fs::path(path).parent_path().string();
   return parent.empty() ? "." : parent;
 }
+/// What there is to begin with.
+enum class Start {
+  kNew,         ///< Nothing that counts.
+  kUnfinished,  ///< A build to go on with.
+  kFinished,    ///< --resume finds the tree finished: a build may be ended just after that.
+};
 
 /// Refuses before any work what would fail after it.
-Expected<void> check_output(const BuildOptions& options) {
+Expected<Start> check_output(const BuildOptions& options) {
   std::error_code ec;
-  if (fs::is_directory(options.output, ec)) return fail(ErrorCode::kIo, "is a directory; name a file", options.output);
-  if (fs::exists(options.output, ec) && !options.overwrite) {
-    return fail(ErrorCode::kIo, "exists already; remove it or use --overwrite", options.output);
-  }
   const std::string building = cache::TileWriter::building_path(options.output);
-  if (fs::exists(building, ec) && !options.resume && !options.overwrite) {
-    return fail(ErrorCode::kIo, "an unfinished build is there; go on with it by --resume or discard it by --overwrite",
-                building);
+  for (const std::string& path : {options.output, building}) {
+    if (fs::is_directory(path, ec)) return fail(ErrorCode::kIo, "is a directory; name a file", path);
   }
   const std::string folder = folder_of(options.output);
   if (!fs::is_directory(folder, ec)) return fail(ErrorCode::kIo, "no such folder; create it first", folder);
   if (::access(folder.c_str(), W_OK) != 0)
     return fail(ErrorCode::kIo, "the folder may not be written to; check its permissions", folder);
-  return {};
+  if (options.overwrite) return Start::kNew;
+  // An unfinished build beside a tree was begun to overwrite it.
+  if (fs::exists(building, ec)) {
+    if (options.resume) return Start::kUnfinished;
+    return fail(ErrorCode::kIo, "an unfinished build is there; go on with it by --resume or discard it by --overwrite",
+                building);
+  }
+  if (fs::exists(options.output, ec)) {
+    if (options.resume) return Start::kFinished;
+    return fail(ErrorCode::kIo, "exists already; remove it or use --overwrite", options.output);
+  }
+  if (options.resume && !options.quiet) {
+    fmt::print(stderr, "tintree-build: {}: nothing to resume: begins at the beginning\n", options.output);
+  }
+  return Start::kNew;
 }
 
 Expected<cache::Manifest> plan_tree(const BuildOptions& options, const cache::RasterInfo& info,
@@ -86,14 +104,15 @@ Expected<cache::Manifest> plan_tree(const BuildOptions& options, const cache::Ra
   return manifest;
 }
 
-Expected<cache::TileWriter> open_writer(const BuildOptions& options, const cache::Manifest& manifest) {
-  return options.resume ? cache::TileWriter::resume(options.output, manifest)
-                        : cache::TileWriter::create(options.output, manifest);
-}
-
 Error with_remedy(Error error, const BuildOptions& options) {
-  if (error.code == ErrorCode::kStopped) error.message += "; go on with the same command and --resume";
-  if (error.code == ErrorCode::kStopped && error.where.empty()) error.where = options.output;
+  const std::string resume = options.overwrite ? "--resume instead of --overwrite" : "--resume";
+  if (error.code == ErrorCode::kStopped) {
+    return {error.code, "stopped; what is finished is kept; go on with the same command and " + resume, options.output};
+  }
+  // The store's messages say it themselves.
+  if (error.code == ErrorCode::kIo && error.message.find("--resume") == std::string::npos) {
+    error.message += "; what is finished is kept; then go on with the same command and " + resume;
+  }
   return error;
 }
 
@@ -126,62 +145,112 @@ void warn_of_holes(const BuildOptions& options, const BuildReport& report, const
              report.samples - report.valid_samples, cache::kFillDistance);
 }
 
-Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
-  const auto begun = Clock::now();
-  stop_requested();
-  if (auto free = check_output(options); !free) return tl::unexpected(free.error());
+/// The report of a tree that was finished before; kUsage when it is another one than the manifest's.
+Expected<BuildReport> report_finished(const BuildOptions& options, const cache::Manifest& manifest) {
+  auto store = cache::TileStore::open(options.output);
+  if (!store) return tl::unexpected(store.error());
+  if (const std::string difference = store->manifest().difference(manifest); !difference.empty()) {
+    return fail(ErrorCode::kUsage,
+                "a finished tree is there that differs in " + difference + "; use --overwrite to replace it",
+                options.output);
+  }
   BuildReport report;
-  report.threads = threads;
+  report.manifest = store->manifest();
+  report.levels = simplify::make_levels(report.manifest.layout);
+  for (const cache::TileNode& node : store->bounds().nodes()) {
+    auto tile = store->read(node.id);
+    if (!tile) return tl::unexpected(tile.error());
+    simplify::LevelSummary& level = report.levels[static_cast<std::size_t>(node.id.level)];
+    level.add(*tile);
+    level.error_m = std::max(level.error_m, tile->info.error_m);
+    level.rms_m = std::numeric_limits<double>::quiet_NaN();  // the file does not hold what that takes
+  }
+  return report;
+}
 
-  const std::uint64_t work = kWorkMiB + kWorkMiB / 2 * static_cast<std::uint64_t>(report.threads);
+/// The DEM, and who looks at it.
+struct Input {
+  cache::RasterInfo info;
+  std::shared_ptr<cache::HeightBlocks> blocks;
+};
+
+Expected<Input> open_input(const BuildOptions& options, int threads, const simplify::ProgressFn& progress) {
+  const std::uint64_t work = kWorkMiB + kWorkMiB / 2 * static_cast<std::uint64_t>(threads);
   if (options.memory_mib < work + 64) {
-    return fail(ErrorCode::kUsage, fmt::format("{} threads need at least {} MiB", report.threads, work + 64),
-                "--memory");
+    return fail(ErrorCode::kUsage, fmt::format("{} threads need at least {} MiB", threads, work + 64), "--memory");
   }
   const std::uint64_t cache_bytes = (options.memory_mib - work) * kMiB;
+  auto source = open_dem(options, cache_bytes, progress);
+  if (!source) return tl::unexpected(source.error());
+  Input input{source->info(), nullptr};
+  input.blocks = std::make_shared<cache::HeightBlocks>(std::make_shared<cache::RasterSource>(std::move(*source)),
+                                                       cache_bytes - cache_bytes / kGdalShare);
+  return input;
+}
+
+/// Makes, measures and finishes; fills in the report.
+Expected<void> make_tree(const simplify::ReferenceSurface& surface, cache::TileWriter& writer,
+                         const simplify::ProgressFn& progress, BuildReport& report) {
+  auto mark = Clock::now();
+  auto levels = simplify::make_tiles(surface, report.manifest, writer, progress, stop_flag());
+  if (!levels) return tl::unexpected(levels.error());
+  report.make_seconds = seconds_since(mark);
+  mark = Clock::now();
+  auto done = simplify::measure_tiles(surface, report.manifest, writer, *levels, progress);
+  // Measuring reads the file once more: a change explains a failure, and makes a success worthless.
+  if (auto same = surface.blocks().source().check_unchanged(); !same) return same;
+  if (!done) return done;
+  report.measure_seconds = seconds_since(mark);
+  auto digest = writer.finish(stop_flag());
+  if (!digest) return tl::unexpected(digest.error());
+  report.manifest.digest = *digest;
+  report.levels = std::move(*levels);
+  return {};
+}
+
+Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
+  const auto begun = Clock::now();
+  auto start = check_output(options);
+  if (!start) return tl::unexpected(start.error());
   Progress line(options.quiet);
   const auto progress = [&](const std::string& step, std::uint64_t done, std::uint64_t total) {
     line.report(step, done, total);
     return !stop_requested();
   };
-  auto source = open_dem(options, cache_bytes, progress);
-  if (!source) return tl::unexpected(source.error());
-  const cache::RasterInfo info = source->info();
-  auto blocks = std::make_shared<cache::HeightBlocks>(std::make_shared<cache::RasterSource>(std::move(*source)),
-                                                      cache_bytes - cache_bytes / kGdalShare);
+  auto input = open_input(options, threads, progress);
+  if (!input) return tl::unexpected(input.error());
   auto surface = simplify::ReferenceSurface::scan(
-      blocks, [&](std::uint64_t done, std::uint64_t total) { return progress("reading blocks", done, total); });
+      input->blocks, [&](std::uint64_t done, std::uint64_t total) { return progress("reading blocks", done, total); });
   if (!surface) return tl::unexpected(surface.error());
-  report.read_seconds = seconds_since(begun);
+  const double read_seconds = seconds_since(begun);
   if ((*surface)->valid_samples() == 0)
-    return fail(ErrorCode::kBadData, "holds no heights: every sample is nodata", info.path);
+    return fail(ErrorCode::kBadData, "holds no heights: every sample is nodata", input->info.path);
   if (!(*surface)->has_surface())
-    return fail(ErrorCode::kBadData, "holds no surface: nowhere do three samples of a cell have heights", info.path);
+    return fail(ErrorCode::kBadData, "holds no surface: nowhere do three samples of a cell have heights",
+                input->info.path);
 
-  auto manifest = plan_tree(options, info, **surface);
+  auto manifest = plan_tree(options, input->info, **surface);
   if (!manifest) return tl::unexpected(manifest.error());
-  auto writer = open_writer(options, *manifest);
-  if (!writer) return tl::unexpected(writer.error());
-  auto mark = Clock::now();
-  auto levels = simplify::make_tiles(**surface, *manifest, *writer, progress);
-  if (!levels) return tl::unexpected(with_remedy(levels.error(), options));
-  report.make_seconds = seconds_since(mark);
-  mark = Clock::now();
-  if (auto measured = simplify::measure_tiles(**surface, *manifest, *writer, *levels, progress); !measured) {
-    return tl::unexpected(with_remedy(measured.error(), options));
+  BuildReport report;
+  if (*start == Start::kFinished) {
+    auto finished = report_finished(options, *manifest);
+    if (!finished) return finished;
+    report = std::move(*finished);
+  } else {
+    auto writer = *start == Start::kUnfinished ? cache::TileWriter::resume(options.output, *manifest)
+                                               : cache::TileWriter::create(options.output, *manifest);
+    if (!writer) return tl::unexpected(writer.error());
+    report.manifest = std::move(*manifest);
+    if (auto made = make_tree(**surface, *writer, progress, report); !made) {
+      return tl::unexpected(with_remedy(made.error(), options));
+    }
   }
-  report.measure_seconds = seconds_since(mark);
-  line.close();
-  auto digest = writer->finish();
-  if (!digest) return tl::unexpected(digest.error());
-
-  report.manifest = std::move(*manifest);
-  report.manifest.digest = *digest;
-  report.levels = std::move(*levels);
-  report.samples = static_cast<std::uint64_t>(info.columns) * static_cast<std::uint64_t>(info.rows);
+  report.threads = threads;
+  report.read_seconds = read_seconds;
+  report.samples = static_cast<std::uint64_t>(input->info.columns) * static_cast<std::uint64_t>(input->info.rows);
   report.valid_samples = (*surface)->valid_samples();
   report.file_bytes = fs::file_size(options.output);
-  warn_of_holes(options, report, info.path);
+  warn_of_holes(options, report, input->info.path);
   report.seconds = seconds_since(begun);
   return report;
 }
@@ -191,9 +260,13 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
 Expected<BuildReport> build_tree(const BuildOptions& options) {
   const int threads =
       options.threads > 0 ? options.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const Error stopped = with_remedy({ErrorCode::kStopped, {}, {}}, options);
+  const StopDeadline deadline("tintree-build", stopped);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
-  return arena.execute([&] { return build_in_arena(options, threads); });
+  auto report = arena.execute([&] { return build_in_arena(options, threads); });
+  if (!report && report.error().code == ErrorCode::kStopped) return tl::unexpected(stopped);
+  return report;
 }
 
 }  // namespace tintree::app

@@ -19,6 +19,7 @@ simplify::LevelSummary total_of(const BuildReport& report) {
   simplify::LevelSummary total;
   for (const simplify::LevelSummary& l : report.levels) {
     total.tiles += l.tiles;
+    total.tiles_made += l.tiles_made;
     total.vertices += l.vertices;
     total.triangles += l.triangles;
     total.bytes += l.bytes;
@@ -86,6 +87,7 @@ nlohmann::ordered_json summary_json(const BuildReport& report) {
           {"method", report.manifest.method},
           {"tile_cells", report.manifest.layout.tile_cells},
           {"tiles", total.tiles},
+          {"tiles_made", total.tiles_made},
           {"vertices", total.vertices},
           {"triangles", total.triangles},
           {"payload_bytes", total.bytes},

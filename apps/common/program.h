@@ -1,12 +1,14 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
 #include "codec/error.h"
+#include "codec/stop_flag.h"
 
 namespace tintree::app {
 
@@ -15,8 +17,12 @@ namespace tintree::app {
 /// (DESIGN of the command lines: docs/guide.md). Returns the process's exit code.
 int run_program(CLI::App& app, int argc, char** argv, const std::function<Expected<void>()>& run);
 
-/// True once the user has asked for a stop (Ctrl-C or SIGTERM). The first call installs the handler; a
-/// second signal ends the process at once.
-bool stop_requested();
+/// Set once the user has asked for a stop (Ctrl-C or SIGTERM). The first call installs the handler; a second signal
+/// ends the process at once.
+const StopFlag* stop_flag();
+inline bool stop_requested() { return is_set(stop_flag()); }
+
+/// Prints "program: message" to standard error; returns the exit code of the failure.
+int report_failure(const std::string& program, const Error& error);
 
 }  // namespace tintree::app

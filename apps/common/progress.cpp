@@ -24,8 +24,9 @@ void Progress::report(const std::string& step, std::uint64_t done, std::uint64_t
     end_line();
     step_ = step;
     begun_ = now;
+    first_ = done;
     drawn_ = {};
-    tenth_ = 0;
+    tenth_ = done * 10 / total;
   }
   static const bool terminal = isatty(STDERR_FILENO) != 0;
   const std::uint64_t tenth = done * 10 / total;
@@ -40,9 +41,12 @@ void Progress::report(const std::string& step, std::uint64_t done, std::uint64_t
 void Progress::draw(std::uint64_t done, std::uint64_t total, Clock::time_point now) {
   const double spent = std::chrono::duration<double>(now - begun_).count();
   const double share = static_cast<double>(done) / static_cast<double>(total);
-  const std::string rest = done == 0      ? std::string()
-                           : done < total ? ", " + clock_text(spent * (1 - share) / share) + " left"
-                                          : ", took " + clock_text(spent);
+  std::string rest;
+  if (done == total) {
+    rest = ", took " + clock_text(spent);
+  } else if (done > first_) {
+    rest = ", " + clock_text(spent / static_cast<double>(done - first_) * static_cast<double>(total - done)) + " left";
+  }
   fmt::print(stderr, "{}{}: {} of {} ({:.0f} %){}", line_open_ ? "\r\033[K" : "", step_, done, total, 100 * share,
              rest);
   std::fflush(stderr);

@@ -7,8 +7,9 @@
 
 namespace tintree::app {
 
-/// A progress line on standard error: what is done, of how much, the share and the time left. Redraws in
-/// place on a terminal, else prints a line per tenth. Thread-safe.
+/// A progress line on standard error: what is done, of how much, the share and the time left. The time is judged by
+/// what was done since the step's first report: what an earlier run had done does not count. Redraws in place on a
+/// terminal, else prints a line per tenth. Thread-safe.
 class Progress {
  public:
   explicit Progress(bool quiet) : quiet_(quiet) {}
@@ -30,6 +31,7 @@ class Progress {
   std::mutex turn_;
   std::string step_;
   Clock::time_point begun_{};
+  std::uint64_t first_ = 0;  // done when the step was first reported
   Clock::time_point drawn_{};
   std::uint64_t tenth_ = 0;
   bool line_open_ = false;

@@ -1,6 +1,7 @@
 /// The build as a program: what it makes, what it refuses and how it says so.
 
-#include <algorithm>
+#include "tests/apps/build_support.h"
+
 #include <cmath>
 #include <filesystem>
 
@@ -9,95 +10,11 @@
 #include <unistd.h>
 
 #include "cache/tile_store.h"
-#include "tests/support/run_program.h"
-#include "tests/support/temp_dir.h"
-#include "tests/support/test_raster.h"
 
 namespace tintree::test {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
-using Words = std::vector<std::string>;
-
-constexpr int kDone = 0;
-constexpr int kUsage = 2;
-constexpr int kBadData = 3;
-constexpr int kIo = 4;
-constexpr int kStopped = 5;
-
-/// Exactly one line, by the program and with the words.
-void expect_message(const ProgramResult& r, const Words& words) {
-  EXPECT_TRUE(r.err.starts_with("tintree-build: ")) << r.err;
-  EXPECT_EQ(std::ranges::count(r.err, '\n'), 1) << r.err;
-  EXPECT_TRUE(r.err.ends_with('\n'));
-  for (const std::string& word : words) EXPECT_NE(r.err.find(word), std::string::npos) << word << " not in: " << r.err;
-}
-
-class BuildTest : public testing::Test {
- protected:
-  BuildTest() : dem_(dir_.file("dem.tif")), tree_(dir_.file("tree.tintree")), report_(dir_.file("report.json")) {
-    write_raster(dem_, {.columns = 90, .rows = 70, .dx = 10, .dy = 10}, [](int c, int r) { return hills(c, r); });
-  }
-
-  ProgramResult build(Words more = {}) const { return run_program(TINTREE_BUILD, words(std::move(more))); }
-
-  /// The program's arguments for a quiet build; of small tiles on two threads unless `more` says otherwise.
-  Words words(Words more) const {
-    const auto add_default = [&more](const std::string& option, const std::string& value) {
-      if (std::ranges::find(more, option) == more.end()) more.insert(more.begin(), {option, value});
-    };
-    add_default("--tile", "32");
-    add_default("--threads", "2");
-    add_default("-o", tree_);
-    more.insert(more.begin(), {dem_, "--quiet"});
-    return more;
-  }
-
-  /// A build under a shell script that starts it by "$@".
-  ProgramResult build_under(const std::string& script, const Words& more = {}) const {
-    Words all{"-c", script, "sh", TINTREE_BUILD};
-    for (const std::string& word : words(more)) all.push_back(word);
-    return run_program("/bin/sh", all);
-  }
-
-  void expect_refused(const Words& more, int exit_code, const Words& message) const {
-    const ProgramResult r = build(more);
-    EXPECT_EQ(r.exit_code, exit_code) << r.all();
-    EXPECT_EQ(r.out, "");
-    expect_message(r, message);
-    EXPECT_FALSE(fs::exists(tree_));
-    EXPECT_FALSE(fs::exists(cache::TileWriter::building_path(tree_)));
-  }
-
-  /// The digest that a build reports, whose tree is whole.
-  std::string digest(const Words& more = {}) const {
-    Words all = more;
-    all.insert(all.end(), {"--json", report_});
-    const ProgramResult r = build(all);
-    EXPECT_EQ(r.exit_code, kDone) << r.all();
-    if (r.exit_code != kDone) return {};
-    const auto store = cache::TileStore::open(tree_);
-    EXPECT_TRUE(store.has_value());
-    EXPECT_FALSE(fs::exists(cache::TileWriter::building_path(tree_)));
-    const std::string found = json::parse(read_file(report_)).at("digest");
-    if (store) {
-      EXPECT_EQ(store->manifest().digest, found);
-    }
-    return found;
-  }
-
-  /// A build that takes long enough to be stopped.
-  void write_large_dem() const {
-    write_raster(dem_, {.columns = 600, .rows = 500},
-                 [](int c, int r) { return hills(c, r, 60) + (c * 7 + r * 13) % 5; });
-  }
-
-  TempDir dir_;
-  std::string dem_;
-  std::string tree_;
-  std::string report_;
-};
 
 TEST_F(BuildTest, BuildsATreeAndReportsIt) {
   const ProgramResult r =
@@ -105,27 +22,11 @@ TEST_F(BuildTest, BuildsATreeAndReportsIt) {
   ASSERT_EQ(r.exit_code, kDone) << r.all();
   EXPECT_NE(r.out.find("digest "), std::string::npos) << r.out;
   const json found = json::parse(read_file(report_));
-  for (const char* key : {"seconds",
-                          "read_seconds",
-                          "make_seconds",
-                          "measure_seconds",
-                          "threads",
-                          "samples",
-                          "valid_samples",
-                          "samples_per_second",
-                          "peak_rss_bytes",
-                          "error_m",
-                          "method",
-                          "tile_cells",
-                          "tiles",
-                          "vertices",
-                          "triangles",
-                          "payload_bytes",
-                          "bytes",
-                          "bits_per_sample",
-                          "file_bits_per_sample",
-                          "digest",
-                          "levels"}) {
+  for (const char* key :
+       {"seconds",         "read_seconds",         "make_seconds",   "measure_seconds", "threads",       "samples",
+        "valid_samples",   "samples_per_second",   "peak_rss_bytes", "error_m",         "method",        "tile_cells",
+        "tiles",           "tiles_made",           "vertices",       "triangles",       "payload_bytes", "bytes",
+        "bits_per_sample", "file_bits_per_sample", "digest",         "levels"}) {
     EXPECT_TRUE(found.contains(key)) << key;
   }
   EXPECT_EQ(found.at("samples"), 90 * 70);
@@ -144,6 +45,7 @@ TEST_F(BuildTest, BuildsATreeAndReportsIt) {
   }
   EXPECT_EQ(found.at("levels")[0].at("bound_m"), 8);
   EXPECT_EQ(found.at("tiles"), tiles);
+  EXPECT_EQ(found.at("tiles_made"), tiles);
   EXPECT_EQ(tiles, 1U + 4 + 9);
   const auto store = cache::TileStore::open(tree_);
   ASSERT_TRUE(store.has_value()) << store.error().text();
@@ -284,7 +186,6 @@ TEST_F(BuildTest, RefusesWrongOptions) {
   for (const char* memory : {"1", "0"}) expect_refused({"--memory", memory}, kUsage, {"--memory"});
   expect_refused({"--memory", "-5"}, kUsage, {"--memory"});
   expect_refused({"--method", "magic"}, kUsage, {"--method"});
-  expect_refused({"--resume"}, kUsage, {tree_});
   expect_refused({"--resume", "--overwrite"}, kUsage, {"--resume", "--overwrite"});
 }
 
@@ -302,15 +203,6 @@ TEST_F(BuildTest, SaysWhenTheReportCannotBeWritten) {
   const ProgramResult r = build({"--json", dir_.file("no/such/folder.json")});
   EXPECT_EQ(r.exit_code, kIo) << r.all();
   expect_message(r, {"folder.json"});
-}
-
-TEST_F(BuildTest, SaysWhenTheDiskIsFull) {
-  write_large_dem();
-  // A file may have 100 blocks of 512 bytes, and writing beyond is an error, not a signal.
-  const ProgramResult r = build_under("trap '' XFSZ; ulimit -f 100; exec \"$@\"", {"--error", "0.2"});
-  EXPECT_EQ(r.exit_code, kIo) << r.all();
-  expect_message(r, {tree_});
-  EXPECT_FALSE(fs::exists(tree_));
 }
 
 TEST_F(BuildTest, TakesSeveralDemsInOrder) {
@@ -390,29 +282,6 @@ TEST_F(BuildTest, MakesTheSameTreeFromACopyOfTheHeights) {
   const ProgramResult full = build_under("trap '' XFSZ; ulimit -f 4000; exec \"$@\"", options);
   EXPECT_EQ(full.exit_code, kIo) << full.all();
   expect_message(full, {dir_.path(), "temporary copy"});
-}
-
-TEST_F(BuildTest, GoesOnAfterAnInterrupt) {
-  write_large_dem();
-  // Waits for the first tiles, interrupts, and hands on how the build ended.
-  const std::string script = "\"$@\" & pid=$!; while kill -0 $pid && ! [ -e '" +
-                             cache::TileWriter::building_path(tree_) +
-                             "' ]; do sleep 0.02; done; sleep 0.1; kill -INT $pid; wait $pid";
-  const ProgramResult stopped = build_under(script);
-  ASSERT_EQ(stopped.exit_code, kStopped) << stopped.all();
-  expect_message(stopped, {"--resume"});
-  EXPECT_FALSE(fs::exists(tree_));
-  ASSERT_TRUE(fs::exists(cache::TileWriter::building_path(tree_)));
-
-  const ProgramResult again = build();
-  EXPECT_EQ(again.exit_code, kIo) << "an unfinished build is not thrown away in silence";
-  expect_message(again, {"--resume", "--overwrite"});
-  const ProgramResult other = build({"--resume", "--error", "3"});
-  EXPECT_EQ(other.exit_code, kUsage) << other.all();
-  expect_message(other, {"error"});
-
-  const std::string resumed = digest({"--resume"});
-  EXPECT_EQ(resumed, digest({"--overwrite"}));
 }
 
 }  // namespace
