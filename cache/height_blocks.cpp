@@ -117,6 +117,11 @@ Expected<std::shared_ptr<const HeightBlock>> HeightBlocks::get(std::int64_t bx, 
   return block;
 }
 
+std::uint64_t HeightBlocks::cached_bytes() const {
+  const std::scoped_lock lock(cache_->turn);
+  return cache_->places.size() * kBlockBytes;
+}
+
 Expected<void> HeightBlocks::stream(
     const std::function<bool(std::int64_t, std::int64_t, const std::shared_ptr<const HeightBlock>&)>& visit) {
   // A band of at most this many blocks at once keeps the memory independent of the raster's width.

@@ -54,6 +54,9 @@ class HeightBlocks {
   /// Block (bx, by), bx eastward and by southward from the north-west; reads it if need be.
   Expected<std::shared_ptr<const HeightBlock>> get(std::int64_t bx, std::int64_t by);
 
+  /// Bytes of the blocks in the cache.
+  std::uint64_t cached_bytes() const;
+
   /// What every block, row by row, is known to hold: from now on get() fails with kIo for one that reads
   /// otherwise, because the file has been changed meanwhile. Call it before several threads read.
   void expect(std::vector<BlockDigest> digests) { expected_ = std::move(digests); }

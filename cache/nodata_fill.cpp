@@ -138,7 +138,7 @@ Expected<void> fill_nodata(ScratchRaster& heights, std::int64_t columns, std::in
   GDALRasterBand* band = (*filled)->GetRasterBand(1);
   FillProgress state{&progress};
   const CPLErr done = GDALFillNodata(band, nullptr, kFillDistance, 0, 0, nullptr, on_progress, &state);
-  if (state.stopped) return fail(ErrorCode::kStopped, "stopped while filling holes, before any tile was made");
+  if (state.stopped) return fail(ErrorCode::kStopped, "stopped while filling holes");
   if (done != CE_None || band->FlushCache(false) != CE_None) return tl::unexpected(gdal_failure(folder));
   return copy_in(*band, heights, columns, rows, folder);
 }

@@ -234,7 +234,7 @@ Expected<void> RasterSource::Impl::make_copy(const StageOptions& options) {
     }
     if (options.progress &&
         !options.progress("copying rows", static_cast<std::uint64_t>(row + h), static_cast<std::uint64_t>(info.rows))) {
-      return fail(ErrorCode::kStopped, "stopped while reading the DEM, before any tile was made");
+      return fail(ErrorCode::kStopped, "stopped while reading the DEM");
     }
   }
   for (Part& part : parts) {

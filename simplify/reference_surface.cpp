@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
+#include <optional>
+#include <set>
 #include <utility>
 
+#include <tbb/parallel_for_each.h>
 #include <tbb/task_group.h>
 
 #include "cache/samples_digest.h"
@@ -182,6 +186,44 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
   out->has_surface_ = std::ranges::find(surface, 1) != surface.end();
   out->digest_ = digest.text();
   out->blocks_->expect(digest.take());
+  return out;
+}
+
+Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan_windows(std::shared_ptr<cache::HeightBlocks> blocks,
+                                                                           const std::vector<codec::CellRect>& windows,
+                                                                           const StopFlag* stop) {
+  auto out = std::make_unique<ReferenceSurface>();
+  out->blocks_ = std::move(blocks);
+  const std::int64_t across = out->blocks_->blocks_x();
+  const auto total = static_cast<std::size_t>(across * out->blocks_->blocks_y());
+  BlockPatches unknown;
+  unknown.whole.low = kNaN;
+  unknown.middle.fill(unknown.whole);
+  unknown.fine.fill(unknown.whole);
+  out->patches_.assign(total, unknown);
+  out->ranges_.assign(total, {kInfinity, -kInfinity});
+  std::set<std::int64_t> wanted;
+  for (const codec::CellRect& w : windows) {
+    for (std::int64_t by = w.row0 >> 8; by <= (w.row1 - 1) >> 8; ++by) {
+      for (std::int64_t bx = w.column0 >> 8; bx <= (w.column1 - 1) >> 8; ++bx) wanted.insert(by * across + bx);
+    }
+  }
+  std::mutex turn;
+  std::optional<Error> error;
+  tbb::parallel_for_each(wanted, [&](std::int64_t key) {
+    if (is_set(stop)) return;
+    const auto block = out->blocks_->get(key % across, key / across);
+    if (!block) {
+      const std::scoped_lock lock(turn);
+      error = block.error();
+      return;
+    }
+    const auto at = static_cast<std::size_t>(key);
+    out->patches_[at] = make_patches(**block);
+    out->ranges_[at] = range_of(**block);
+  });
+  if (error) return tl::unexpected(*error);
+  if (is_set(stop)) return fail(ErrorCode::kStopped, "stopped");
   return out;
 }
 

@@ -61,6 +61,13 @@ class ReferenceSurface {
       std::shared_ptr<cache::HeightBlocks> blocks,
       const std::function<bool(std::uint64_t done, std::uint64_t total)>& progress);
 
+  /// Looks at the blocks under these rectangles of cells only, over all threads of the current oneTBB arena: enough
+  /// to make tiles whose cells, and one more on every side, lie in them. Of the other blocks it knows nothing, and
+  /// valid_samples(), has_surface() and digest() say nothing of the DEM.
+  static Expected<std::unique_ptr<ReferenceSurface>> scan_windows(std::shared_ptr<cache::HeightBlocks> blocks,
+                                                                  const std::vector<codec::CellRect>& windows,
+                                                                  const StopFlag* stop);
+
   cache::HeightBlocks& blocks() const { return *blocks_; }
   const BlockPatches& patches(std::int64_t bx, std::int64_t by) const {
     return patches_[static_cast<std::size_t>(by * blocks_->blocks_x() + bx)];

@@ -14,6 +14,7 @@
 #include <tbb/task_arena.h>
 
 #include "codec/mesh_codec.h"
+#include "simplify/stored_tile.h"
 #include "simplify/tile_maker.h"
 
 namespace tintree::simplify {
@@ -24,15 +25,6 @@ using codec::TileId;
 constexpr double kStepsPerBound = 4;
 /// Heights are counted in 32-bit steps from 0.
 constexpr double kMaxSteps = 1 << 30;
-
-/// All tiles that hold cells of the raster, depth-first, children before their parent.
-void list_tiles(const codec::TreeLayout& layout, const TileId& id, std::vector<TileId>& out) {
-  if (layout.cells(id).empty()) return;
-  if (id.level < layout.leaf_level) {
-    for (int q = 0; q < 4; ++q) list_tiles(layout, id.child(q), out);
-  }
-  out.push_back(id);
-}
 
 /// The largest height difference within any tile of the level.
 double largest_relief(const ReferenceSurface& surface, const codec::TreeLayout& layout, int level) {
@@ -47,36 +39,14 @@ double largest_relief(const ReferenceSurface& surface, const codec::TreeLayout& 
 }
 
 struct MadeTile {
-  cache::StoredTile tile;
-  std::optional<Error> error;
+  Expected<cache::StoredTile> tile;
   double seconds = 0;
 };
 
-/// Makes, checks and encodes one tile.
-MadeTile make_one(TileMaker& maker, const codec::MeshCodec& codec, const cache::Manifest& manifest, const TileId& id) {
+MadeTile make_timed(TileMaker& maker, const codec::MeshCodec& codec, const codec::TreeLayout& layout,
+                    const TileId& id) {
   const auto begun = std::chrono::steady_clock::now();
-  MadeTile out;
-  out.tile.info.id = id;
-  auto mesh = maker.make(id);
-  if (!mesh) {
-    out.error = mesh.error();
-    return out;
-  }
-  if (!mesh->triangles.empty()) {
-    auto payload = codec.encode(*mesh);
-    if (!payload) {
-      out.error = payload.error();
-      out.error->where = "tile " + id.text();
-      return out;
-    }
-    out.tile.payload = std::move(*payload);
-    const codec::GridFrame frame(manifest.layout, id, *mesh);
-    const auto [lowest, highest] = std::ranges::minmax(mesh->vertices, {}, &codec::GridVertex::z);
-    out.tile.info.z_min_m = frame.height_m(lowest.z);
-    out.tile.info.z_max_m = frame.height_m(highest.z);
-    out.tile.info.vertices = static_cast<std::uint32_t>(mesh->vertices.size());
-    out.tile.info.triangles = static_cast<std::uint32_t>(mesh->triangles.size());
-  }
+  MadeTile out{make_stored_tile(maker, codec, layout, id)};
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;
 }
@@ -105,10 +75,16 @@ std::vector<LevelSummary> make_levels(const codec::TreeLayout& layout) {
   return levels;
 }
 
+std::vector<double> height_steps(const codec::TreeLayout& layout) {
+  std::vector<double> steps;
+  for (int level = 0; level <= layout.leaf_level; ++level) steps.push_back(layout.bound_m(level) / kStepsPerBound);
+  return steps;
+}
+
 Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout) {
   const auto range = surface.height_range_m(layout.cells({0, 0, 0}));
   const double farthest = std::max(std::abs(range[0]), std::abs(range[1]));
-  std::vector<double> steps;
+  std::vector<double> steps = height_steps(layout);
   double worst = 1;
   double worst_relief = 0;
   int worst_level = 0;
@@ -116,14 +92,13 @@ Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surfac
     const double bound = layout.bound_m(level);
     // A vertex may lie off the samples by the bound.
     const double relief = largest_relief(surface, layout, level) + 2 * bound;
-    const double step = bound / kStepsPerBound;
+    const double step = steps[static_cast<std::size_t>(level)];
     const double needed = std::max(relief / step / codec::kMaxHeightAddress, farthest / step / kMaxSteps);
     if (needed > worst) {
       worst = needed;
       worst_relief = relief;
       worst_level = level;
     }
-    steps.push_back(step);
   }
   if (worst > 1) {
     return fail(
@@ -146,8 +121,7 @@ Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, 
   if (!present) return tl::unexpected(present.error());
   const std::unordered_set<std::int64_t> done_before(present->begin(), present->end());
 
-  std::vector<TileId> todo;
-  list_tiles(layout, {0, 0, 0}, todo);
+  std::vector<TileId> todo = list_tiles(layout);
   const std::uint64_t total = todo.size();
   std::erase_if(todo, [&](const TileId& id) { return done_before.contains(id.key()); });
 
@@ -167,17 +141,17 @@ Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, 
                 }
                 return todo[next++];
               }) & tbb::make_filter<TileId, MadeTile>(tbb::filter_mode::parallel, [&](const TileId& id) {
-                return make_one(*makers.local(), *codec, manifest, id);
+                return make_timed(*makers.local(), *codec, layout, id);
               }) & tbb::make_filter<MadeTile, void>(tbb::filter_mode::serial_out_of_order, [&](const MadeTile& made) {
                 // A failure does not cost the tiles that were in the making beside it.
-                auto kept = made.error ? tl::unexpected(*made.error) : keep(writer, made.tile);
+                auto kept = made.tile ? keep(writer, *made.tile) : tl::unexpected(made.tile.error());
                 if (!kept) {
                   if (!error) error = kept.error();
                   halt = true;
                   return;
                 }
-                LevelSummary& level = levels[static_cast<std::size_t>(made.tile.info.id.level)];
-                level.tiles_made += made.tile.payload.empty() ? 0 : 1;
+                LevelSummary& level = levels[static_cast<std::size_t>(made.tile->info.id.level)];
+                level.tiles_made += made.tile->payload.empty() ? 0 : 1;
                 level.make_seconds += made.seconds;
                 if (!progress("tiles", ++done, total)) halt = true;
               }));

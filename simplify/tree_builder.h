@@ -36,8 +36,10 @@ struct LevelSummary {
 /// A summary for every level, of no tiles yet.
 std::vector<LevelSummary> make_levels(const codec::TreeLayout& layout);
 
-/// The height steps of every level: a quarter of its bound. Fails with kBadData when some tile's relief is too
-/// large for the format at that step; says what error would do.
+/// The height steps of every level: a quarter of its bound.
+std::vector<double> height_steps(const codec::TreeLayout& layout);
+/// The same. Fails with kBadData when some tile's relief is too large for the format at that step; says what error
+/// would do.
 Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout);
 
 /// Makes all tiles that `writer` lacks, in depth-first Z-order, children before their parent, over all threads

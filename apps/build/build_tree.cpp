@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <memory>
-#include <thread>
 #include <utility>
 
 #include <fmt/core.h>
@@ -15,11 +13,10 @@
 #include <tbb/task_arena.h>
 #include <unistd.h>
 
+#include "apps/build/input.h"
 #include "apps/common/progress.h"
 #include "apps/common/program.h"
 #include "apps/common/stop_deadline.h"
-#include "cache/height_blocks.h"
-#include "cache/raster_source.h"
 #include "cache/tile_store.h"
 
 namespace tintree::app {
@@ -28,18 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint64_t kMiB = 1024 * 1024;
-/// What a build takes besides the caches of the DEM, per thread and at all.
-constexpr std::uint64_t kWorkMiB = 96;
-/// GDAL's part of the caches of the DEM is one in this many.
-constexpr std::uint64_t kGdalShare = 8;
-
 double seconds_since(Clock::time_point begun) { return std::chrono::duration<double>(Clock::now() - begun).count(); }
 
-std::string folder_of(const std::string& path) {
-  const std::string parent = fs::path(path).parent_path().string();
-  return parent.empty() ? "." : parent;
-}
 /// What there is to begin with.
 enum class Start {
   kNew,         ///< Nothing that counts.
@@ -75,35 +62,6 @@ Expected<Start> check_output(const BuildOptions& options) {
   return Start::kNew;
 }
 
-Expected<cache::Manifest> plan_tree(const BuildOptions& options, const cache::RasterInfo& info,
-                                    const simplify::ReferenceSurface& surface) {
-  cache::Manifest manifest;
-  manifest.method = options.method;
-  manifest.crs_wkt = info.crs_wkt;
-  manifest.geotransform = info.geotransform;
-  manifest.geographic = info.geographic;
-  manifest.height_unit_m = info.height_unit_m;
-  manifest.nodata = options.nodata;
-  manifest.inputs = info.inputs;
-  manifest.samples_digest = surface.digest();
-  codec::TreeLayout& layout = manifest.layout;
-  layout.columns = info.columns;
-  layout.rows = info.rows;
-  layout.tile_cells = options.tile_cells;
-  layout.leaf_level = codec::TreeLayout::leaf_level_for(info.columns, info.rows, options.tile_cells);
-  layout.dx_m = info.dx_m;
-  layout.dy_m = info.dy_m;
-  layout.axes = info.axes;
-  layout.leaf_error_m = options.error_m.value_or(std::sqrt(info.dx_m * info.dy_m) / 2);
-  auto steps = simplify::choose_height_steps(surface, layout);
-  if (!steps) {
-    steps.error().where = info.path;
-    return tl::unexpected(steps.error());
-  }
-  layout.z_step_m = std::move(*steps);
-  return manifest;
-}
-
 Error with_remedy(Error error, const BuildOptions& options) {
   const std::string resume = options.overwrite ? "--resume instead of --overwrite" : "--resume";
   if (error.code == ErrorCode::kStopped) {
@@ -114,28 +72,6 @@ Error with_remedy(Error error, const BuildOptions& options) {
     error.message += "; what is finished is kept; then go on with the same command and " + resume;
   }
   return error;
-}
-
-/// Opens the DEM and makes it ready to be read in small windows: from then on GDAL keeps its share of the cache.
-Expected<cache::RasterSource> open_dem(const BuildOptions& options, std::uint64_t cache_bytes,
-                                       const simplify::ProgressFn& progress) {
-  auto source = cache::RasterSource::open(options.dems);
-  if (!source) return source;
-  const cache::RasterInfo& info = source->info();
-  if (!options.quiet) {
-    for (const std::string& w : info.warnings) fmt::print(stderr, "tintree-build: {}: warning: {}\n", info.path, w);
-  }
-  cache::StageOptions stage;
-  stage.nodata = options.nodata;
-  stage.folder = folder_of(options.output);
-  stage.raster_cache_bytes = cache_bytes / kGdalShare;
-  stage.block_cache_bytes = cache_bytes - stage.raster_cache_bytes;
-  stage.progress = progress;
-  // No other cache is there yet.
-  cache::set_raster_cache_bytes(cache_bytes / 2);
-  if (auto staged = source->stage(stage); !staged) return tl::unexpected(staged.error());
-  cache::set_raster_cache_bytes(source->is_copied() ? 0 : stage.raster_cache_bytes);
-  return source;
 }
 
 /// Says what --nodata fill has left.
@@ -168,26 +104,6 @@ Expected<BuildReport> report_finished(const BuildOptions& options, const cache::
   return report;
 }
 
-/// The DEM, and who looks at it.
-struct Input {
-  cache::RasterInfo info;
-  std::shared_ptr<cache::HeightBlocks> blocks;
-};
-
-Expected<Input> open_input(const BuildOptions& options, int threads, const simplify::ProgressFn& progress) {
-  const std::uint64_t work = kWorkMiB + kWorkMiB / 2 * static_cast<std::uint64_t>(threads);
-  if (options.memory_mib < work + 64) {
-    return fail(ErrorCode::kUsage, fmt::format("{} threads need at least {} MiB", threads, work + 64), "--memory");
-  }
-  const std::uint64_t cache_bytes = (options.memory_mib - work) * kMiB;
-  auto source = open_dem(options, cache_bytes, progress);
-  if (!source) return tl::unexpected(source.error());
-  Input input{source->info(), nullptr};
-  input.blocks = std::make_shared<cache::HeightBlocks>(std::make_shared<cache::RasterSource>(std::move(*source)),
-                                                       cache_bytes - cache_bytes / kGdalShare);
-  return input;
-}
-
 /// Makes, measures and finishes; fills in the report.
 Expected<void> make_tree(const simplify::ReferenceSurface& surface, cache::TileWriter& writer,
                          const simplify::ProgressFn& progress, BuildReport& report) {
@@ -217,7 +133,7 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
     line.report(step, done, total);
     return !stop_requested();
   };
-  auto input = open_input(options, threads, progress);
+  auto input = open_input(options, progress);
   if (!input) return tl::unexpected(input.error());
   auto surface = simplify::ReferenceSurface::scan(
       input->blocks, [&](std::uint64_t done, std::uint64_t total) { return progress("reading blocks", done, total); });
@@ -229,18 +145,24 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
     return fail(ErrorCode::kBadData, "holds no surface: nowhere do three samples of a cell have heights",
                 input->info.path);
 
-  auto manifest = plan_tree(options, input->info, **surface);
-  if (!manifest) return tl::unexpected(manifest.error());
+  cache::Manifest manifest = describe_tree(options, input->info);
+  manifest.samples_digest = (*surface)->digest();
+  auto steps = simplify::choose_height_steps(**surface, manifest.layout);
+  if (!steps) {
+    steps.error().where = input->info.path;
+    return tl::unexpected(steps.error());
+  }
+  manifest.layout.z_step_m = std::move(*steps);
   BuildReport report;
   if (*start == Start::kFinished) {
-    auto finished = report_finished(options, *manifest);
+    auto finished = report_finished(options, manifest);
     if (!finished) return finished;
     report = std::move(*finished);
   } else {
-    auto writer = *start == Start::kUnfinished ? cache::TileWriter::resume(options.output, *manifest)
-                                               : cache::TileWriter::create(options.output, *manifest);
+    auto writer = *start == Start::kUnfinished ? cache::TileWriter::resume(options.output, manifest)
+                                               : cache::TileWriter::create(options.output, manifest);
     if (!writer) return tl::unexpected(writer.error());
-    report.manifest = std::move(*manifest);
+    report.manifest = std::move(manifest);
     if (auto made = make_tree(**surface, *writer, progress, report); !made) {
       return tl::unexpected(with_remedy(made.error(), options));
     }
@@ -258,8 +180,7 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
 }  // namespace
 
 Expected<BuildReport> build_tree(const BuildOptions& options) {
-  const int threads =
-      options.threads > 0 ? options.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const int threads = thread_count(options);
   const Error stopped = with_remedy({ErrorCode::kStopped, {}, {}}, options);
   const StopDeadline deadline("tintree-build", stopped);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));

@@ -23,6 +23,7 @@ struct BuildOptions {
   cache::NodataPolicy nodata = cache::NodataPolicy::kHole;
   bool resume = false;
   bool overwrite = false;
+  bool plan = false;
   std::string json;  ///< Empty: none.
   bool quiet = false;
 };

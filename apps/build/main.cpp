@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/build/build_tree.h"
+#include "apps/build/plan.h"
 #include "apps/build/summary.h"
 #include "apps/common/json_file.h"
 #include "apps/common/program.h"
@@ -26,9 +27,17 @@ Expected<void> check(const BuildOptions& o) {
   }
   if (o.threads < 0 || o.threads > 1024)
     return tintree::fail(ErrorCode::kUsage, "must lie between 0 (all cores) and 1024", "--threads");
+  if (o.output.empty() && !o.plan) return tintree::fail(ErrorCode::kUsage, "is required (see --help)", "--output");
   if (o.resume && o.overwrite)
     return tintree::fail(ErrorCode::kUsage, "choose one of --resume and --overwrite", "--resume");
   return {};
+}
+
+Expected<void> plan(const BuildOptions& o) {
+  const auto plan = tintree::app::plan_tree(o);
+  if (!plan) return tl::unexpected(plan.error());
+  if (!o.quiet) fmt::print("{}", tintree::app::plan_text(*plan));
+  return o.json.empty() ? Expected<void>{} : tintree::app::write_json(o.json, tintree::app::plan_json(*plan, o));
 }
 
 }  // namespace
@@ -40,7 +49,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", TINTREE_VERSION);
   app.add_option("DEM", o.dems, "Elevation models on one grid, any rasters that GDAL reads; the last lies on top")
       ->required();
-  app.add_option("-o,--output", o.output, "Tree to write (.tintree)")->required();
+  app.add_option("-o,--output", o.output, "Tree to write (.tintree); required, except with --plan");
   app.add_option("--error", o.error_m,
                  "Error bound of the leaves in metres; doubles with every level up (default: half the sample spacing)");
   app.add_option("--method", o.method, "How tiles are made")->check(CLI::IsMember({"tin"}))->capture_default_str();
@@ -54,12 +63,15 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--resume", o.resume, "Go on with a build that was stopped");
   app.add_flag("--overwrite", o.overwrite, "Replace an existing tree or discard an unfinished one");
+  app.add_flag("--plan", o.plan,
+               "Tell levels, tiles, bytes, time and memory from a sample of tiles, and write nothing");
   app.add_option("--json", o.json, "Write the figures to this file too");
   app.add_flag("--quiet", o.quiet, "No progress, warnings or table");
   return tintree::app::run_program(app, argc, argv, [&]() -> Expected<void> {
     using tintree::cache::NodataPolicy;
     o.nodata = nodata == "fill" ? NodataPolicy::kFill : NodataPolicy::kHole;
     if (auto sane = check(o); !sane) return sane;
+    if (o.plan) return plan(o);
     auto report = tintree::app::build_tree(o);
     if (!report) return tl::unexpected(report.error());
     if (!o.quiet) fmt::print("{}", tintree::app::summary_text(*report, o.output));

@@ -56,6 +56,64 @@ std::string summary_text(const BuildReport& report, const std::string& output) {
   return out;
 }
 
+std::string plan_text(const TreePlan& plan) {
+  std::string out = fmt::format("{:>5} {:>8} {:>8} {:>11} {:>11} {:>12} {:>11} {:>9}\n", "level", "tiles", "sampled",
+                                "vertices", "triangles", "bytes", "bound m", "thread s");
+  const auto line = [&out](const std::string& name, const simplify::LevelSummary& l, std::uint64_t sampled,
+                           const std::string& bound) {
+    fmt::format_to(std::back_inserter(out), "{:>5} {:>8} {:>8} {:>11} {:>11} {:>12} {:>11} {:>9.2f}\n", name, l.tiles,
+                   sampled, l.vertices, l.triangles, l.bytes, bound, l.make_seconds);
+  };
+  std::uint64_t sampled = 0;
+  for (const TreePlan::Level& l : plan.levels) {
+    line(std::to_string(l.estimate.level), l.estimate, l.sampled, fmt::format("{:.5g}", l.estimate.bound_m));
+    sampled += l.sampled;
+  }
+  line("all", plan.total, sampled, "");
+  fmt::format_to(std::back_inserter(out),
+                 "a file of about {:.3g} MiB, in about {:.3g} s on {} threads (read {:.1f}, make {:.1f}, measure "
+                 "{:.1f}), with about {:.0f} MiB of memory\n"
+                 "judged by a sample in {:.1f} s; nothing was written\n",
+                 static_cast<double>(plan.bytes) / (1 << 20), plan.seconds, plan.threads, plan.read_seconds,
+                 plan.make_seconds, plan.measure_seconds, static_cast<double>(plan.peak_rss_bytes) / (1 << 20),
+                 plan.plan_seconds);
+  return out;
+}
+
+nlohmann::ordered_json plan_json(const TreePlan& plan, const BuildOptions& options) {
+  using nlohmann::ordered_json;
+  ordered_json levels = ordered_json::array();
+  for (const TreePlan::Level& l : plan.levels) {
+    levels.push_back({{"level", l.estimate.level},
+                      {"tiles", l.estimate.tiles},
+                      {"tiles_sampled", l.sampled},
+                      {"vertices", l.estimate.vertices},
+                      {"triangles", l.estimate.triangles},
+                      {"bytes", l.estimate.bytes},
+                      {"bound_m", l.estimate.bound_m},
+                      {"thread_seconds", l.estimate.make_seconds}});
+  }
+  return {{"plan", true},
+          {"plan_seconds", plan.plan_seconds},
+          {"seconds", plan.seconds},
+          {"read_seconds", plan.read_seconds},
+          {"make_seconds", plan.make_seconds},
+          {"measure_seconds", plan.measure_seconds},
+          {"thread_seconds", plan.total.make_seconds},
+          {"threads", plan.threads},
+          {"samples", plan.samples},
+          {"peak_rss_bytes", plan.peak_rss_bytes},
+          {"error_m", plan.levels.back().estimate.bound_m},
+          {"method", options.method},
+          {"tile_cells", options.tile_cells},
+          {"tiles", plan.total.tiles},
+          {"vertices", plan.total.vertices},
+          {"triangles", plan.total.triangles},
+          {"payload_bytes", plan.total.bytes},
+          {"bytes", plan.bytes},
+          {"levels", levels}};
+}
+
 nlohmann::ordered_json summary_json(const BuildReport& report) {
   using nlohmann::ordered_json;
   const simplify::LevelSummary total = total_of(report);

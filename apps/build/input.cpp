@@ -1,0 +1,91 @@
+#include "apps/build/input.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+#include <utility>
+
+#include <fmt/core.h>
+
+namespace tintree::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kMiB = 1024 * 1024;
+/// What a build takes besides the caches of the DEM, and half of it again for every thread.
+constexpr std::uint64_t kWorkMiB = 96;
+/// GDAL's part of the caches of the DEM is one in this many.
+constexpr std::uint64_t kGdalShare = 8;
+
+}  // namespace
+
+std::string folder_of(const std::string& path) {
+  const std::string parent = fs::path(path).parent_path().string();
+  return parent.empty() ? "." : parent;
+}
+
+int thread_count(const BuildOptions& options) {
+  return options.threads > 0 ? options.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
+Expected<MemoryShares> share_memory(const BuildOptions& options) {
+  const int threads = thread_count(options);
+  const std::uint64_t work = kWorkMiB + kWorkMiB / 2 * static_cast<std::uint64_t>(threads);
+  if (options.memory_mib < work + 64) {
+    return fail(ErrorCode::kUsage, fmt::format("{} threads need at least {} MiB", threads, work + 64), "--memory");
+  }
+  const std::uint64_t cache_bytes = (options.memory_mib - work) * kMiB;
+  return MemoryShares{cache_bytes / kGdalShare, cache_bytes - cache_bytes / kGdalShare};
+}
+
+Expected<Input> open_input(const BuildOptions& options, const simplify::ProgressFn& progress) {
+  const auto memory = share_memory(options);
+  if (!memory) return tl::unexpected(memory.error());
+  auto source = cache::RasterSource::open(options.dems);
+  if (!source) return tl::unexpected(source.error());
+  Input input{source->info(), nullptr};
+  if (!options.quiet) {
+    for (const std::string& w : input.info.warnings) {
+      fmt::print(stderr, "tintree-build: {}: warning: {}\n", input.info.path, w);
+    }
+  }
+  cache::StageOptions stage;
+  stage.nodata = options.nodata;
+  stage.folder = options.output.empty() ? fs::temp_directory_path().string() : folder_of(options.output);
+  stage.raster_cache_bytes = memory->raster_bytes;
+  stage.block_cache_bytes = memory->blocks_bytes;
+  stage.progress = progress;
+  // No other cache is there yet.
+  cache::set_raster_cache_bytes((memory->raster_bytes + memory->blocks_bytes) / 2);
+  if (auto staged = source->stage(stage); !staged) return tl::unexpected(staged.error());
+  cache::set_raster_cache_bytes(source->is_copied() ? 0 : memory->raster_bytes);
+  input.blocks = std::make_shared<cache::HeightBlocks>(std::make_shared<cache::RasterSource>(std::move(*source)),
+                                                       memory->blocks_bytes);
+  return input;
+}
+
+cache::Manifest describe_tree(const BuildOptions& options, const cache::RasterInfo& info) {
+  cache::Manifest manifest;
+  manifest.method = options.method;
+  manifest.crs_wkt = info.crs_wkt;
+  manifest.geotransform = info.geotransform;
+  manifest.geographic = info.geographic;
+  manifest.height_unit_m = info.height_unit_m;
+  manifest.nodata = options.nodata;
+  manifest.inputs = info.inputs;
+  codec::TreeLayout& layout = manifest.layout;
+  layout.columns = info.columns;
+  layout.rows = info.rows;
+  layout.tile_cells = options.tile_cells;
+  layout.leaf_level = codec::TreeLayout::leaf_level_for(info.columns, info.rows, options.tile_cells);
+  layout.dx_m = info.dx_m;
+  layout.dy_m = info.dy_m;
+  layout.axes = info.axes;
+  layout.leaf_error_m = options.error_m.value_or(std::sqrt(info.dx_m * info.dy_m) / 2);
+  return manifest;
+}
+
+}  // namespace tintree::app

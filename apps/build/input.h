@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "apps/build/build_tree.h"
+#include "cache/height_blocks.h"
+#include "cache/manifest.h"
+#include "cache/raster_source.h"
+#include "codec/error.h"
+#include "simplify/tree_builder.h"
+
+namespace tintree::app {
+
+/// The folder of a file that is to be made.
+std::string folder_of(const std::string& path);
+
+/// Threads that a build with these options uses.
+int thread_count(const BuildOptions& options);
+
+/// How a build shares its memory.
+struct MemoryShares {
+  std::uint64_t raster_bytes = 0;  ///< GDAL's cache, once the DEM is staged.
+  std::uint64_t blocks_bytes = 0;  ///< The cache of height blocks.
+};
+/// kUsage when --memory is too little for the threads.
+Expected<MemoryShares> share_memory(const BuildOptions& options);
+
+/// The DEM and the cache over it.
+struct Input {
+  cache::RasterInfo info;
+  std::shared_ptr<cache::HeightBlocks> blocks;
+};
+/// Opens the DEM, makes it ready to be read in small windows, and prints its warnings to standard error, unless quiet.
+/// Temporary files lie beside the output or, where there is none, in the folder for temporary files.
+Expected<Input> open_input(const BuildOptions& options, const simplify::ProgressFn& progress);
+
+/// The manifest of the tree that the options ask for, without the samples' digest and the height steps.
+cache::Manifest describe_tree(const BuildOptions& options, const cache::RasterInfo& info);
+
+}  // namespace tintree::app

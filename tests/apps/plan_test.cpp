@@ -1,0 +1,82 @@
+/// --plan: tells what a build will do, and does nothing.
+
+#include "tests/apps/build_support.h"
+
+namespace tintree::test {
+namespace {
+
+using nlohmann::json;
+
+class PlanTest : public BuildTest {
+ protected:
+  json plan(Words more = {}) const {
+    more.insert(more.end(), {"--plan", "--json", report_});
+    const ProgramResult r = build(more);
+    EXPECT_EQ(r.exit_code, kDone) << r.all();
+    return json::parse(read_file(report_));
+  }
+};
+
+TEST_F(PlanTest, ComesCloseToTheBuild) {
+  write_raster(dem_, {.columns = 700, .rows = 500, .dx = 10, .dy = 10},
+               [](int c, int r) { return c > 550 && r > 300 ? kMissing : hills(c, r, 50 + c / 5.0); });
+  const json planned = plan();
+  EXPECT_FALSE(fs::exists(tree_));
+  ASSERT_NE(digest(), "");
+  const json built = json::parse(read_file(report_));
+  for (const char* key : {"vertices", "triangles", "payload_bytes", "bytes"}) {
+    EXPECT_NEAR(planned.at(key).get<double>(), built.at(key).get<double>(), 0.25 * built.at(key).get<double>()) << key;
+  }
+  for (const char* key : {"samples", "error_m", "tile_cells", "method", "threads"}) {
+    EXPECT_EQ(planned.at(key), built.at(key)) << key;
+  }
+  EXPECT_EQ(planned.at("levels").size(), built.at("levels").size());
+  EXPECT_GE(planned.at("tiles"), built.at("tiles")) << "squares of nodata count in a plan";
+  std::uint64_t sampled = 0;
+  for (const json& level : planned.at("levels")) sampled += level.at("tiles_sampled").get<std::uint64_t>();
+  EXPECT_LT(sampled, planned.at("tiles")) << "this was to be a sample";
+  for (const char* key : {"seconds", "make_seconds", "thread_seconds", "peak_rss_bytes"}) {
+    EXPECT_GT(planned.at(key), 0) << key;
+  }
+}
+
+TEST_F(PlanTest, OfAllTilesIsRight) {
+  const json planned = plan();
+  ASSERT_NE(digest(), "");
+  const json built = json::parse(read_file(report_));
+  for (const char* key : {"tiles", "vertices", "triangles", "payload_bytes"}) EXPECT_EQ(planned.at(key), built.at(key));
+}
+
+TEST_F(PlanTest, WritesNothingAndNeedsNoOutput) {
+  const ProgramResult r = run_program(TINTREE_BUILD, {dem_, "--plan"});
+  EXPECT_EQ(r.exit_code, kDone) << r.all();
+  for (const char* word : {"level", "tiles", "MiB", " s on ", "nothing was written"}) {
+    EXPECT_NE(r.out.find(word), std::string::npos) << word;
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(dir_.path()), {}), 1) << "only the DEM is there";
+}
+
+TEST_F(PlanTest, LeavesATreeAndAnUnfinishedBuildAlone) {
+  write_file(tree_, "precious");
+  write_file(cache::TileWriter::building_path(tree_), "work");
+  plan();
+  EXPECT_EQ(read_file(tree_), "precious");
+  EXPECT_EQ(read_file(cache::TileWriter::building_path(tree_)), "work");
+}
+
+TEST_F(PlanTest, HeedsThreadsAndMemory) {
+  EXPECT_EQ(plan({"--threads", "3"}).at("threads"), 3);
+  const ProgramResult r = build({"--plan", "--memory", "10"});
+  EXPECT_EQ(r.exit_code, kUsage) << r.all();
+  expect_message(r, {"--memory"});
+}
+
+TEST_F(PlanTest, RefusesWhatABuildRefuses) {
+  fs::remove(dem_);
+  const ProgramResult r = build({"--plan"});
+  EXPECT_EQ(r.exit_code, kIo) << r.all();
+  expect_message(r, {dem_, "no such file"});
+}
+
+}  // namespace
+}  // namespace tintree::test
