@@ -1,10 +1,12 @@
 #include "cache/height_blocks.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <list>
 #include <mutex>
+#include <numeric>
 #include <unordered_map>
 #include <utility>
 
@@ -15,6 +17,15 @@ namespace tintree::cache {
 namespace {
 
 constexpr std::uint64_t kBlockBytes = std::uint64_t{kBlockStride} * kBlockSamples * sizeof(float) + 256;
+
+/// The height that a block's heights are counted from. Counted from there none is more than one and a half times the
+/// block's range, so that rounding to float costs a share of the range, however narrow it is.
+double base_for(double low_m, double high_m) {
+  const double range = high_m - low_m;
+  if (range == 0) return low_m;
+  const double unit = std::min(1.0, std::scalbn(1.0, std::ilogb(range)));
+  return std::floor(std::midpoint(low_m, high_m) / unit) * unit;
+}
 
 /// Cuts one block out of a band of samples, `stride` doubles a row, that starts at the block's corner.
 std::shared_ptr<const HeightBlock> make_block(std::int64_t column0, std::int64_t row0, const double* band,
@@ -36,7 +47,7 @@ std::shared_ptr<const HeightBlock> make_block(std::int64_t column0, std::int64_t
     }
   }
   if (valid == 0) return block;
-  block->base_m = std::floor((low + high) / 2);
+  block->base_m = base_for(low, high);
   block->all_valid = valid == std::int64_t{kBlockSamples} * kBlockSamples;
   for (std::int64_t j = 0; j < kBlockSamples; ++j) {
     const double* line = band + j * stride;
@@ -50,7 +61,7 @@ std::shared_ptr<const HeightBlock> make_block(std::int64_t column0, std::int64_t
 
 BlockDigest digest_of(const HeightBlock& block) {
   const XXH128_hash_t hash = XXH3_128bits_withSeed(block.heights.data(), block.heights.size() * sizeof(float),
-                                                   static_cast<XXH64_hash_t>(static_cast<std::int64_t>(block.base_m)));
+                                                   std::bit_cast<XXH64_hash_t>(block.base_m));
   return {hash.low64, hash.high64};
 }
 

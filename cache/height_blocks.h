@@ -24,7 +24,9 @@ inline constexpr int kBlockStride = kBlockCells + 16;
 struct HeightBlock {
   std::int64_t column0 = 0;  ///< DEM sample of the north-west corner, a multiple of kBlockCells.
   std::int64_t row0 = 0;
-  double base_m = 0;       ///< Heights are stored relative to this, to keep float exact on integer DEMs.
+  /// Heights are stored relative to this, and are at most one and a half times their range then. Where they span a
+  /// metre or more it is a whole number, to keep float exact on integer DEMs.
+  double base_m = 0;
   bool all_valid = false;  ///< No sample of the block is missing.
   /// Row-major, kBlockStride apart, north row first; NaN for nodata and beyond the raster.
   std::vector<float> heights;

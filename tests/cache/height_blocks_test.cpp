@@ -171,6 +171,20 @@ TEST_F(HeightBlocksTest, StreamStopsWhenToldTo) {
   EXPECT_EQ(visits, 4);
 }
 
+TEST_F(HeightBlocksTest, RoundsByAShareOfTheRangeHoweverNarrow) {
+  for (const double range_m : {0.0, 1e-9, 3e-6, 1e-3, 0.7, 1.0, 40.0, 5e5}) {
+    for (const double from_m : {0.7, -0.3, 1234.6, -1e6}) {
+      SCOPED_TRACE(testing::Message() << range_m << " from " << from_m);
+      const auto source = open({.columns = 60, .rows = 50},
+                               [&](int c, int r) { return from_m + range_m * (0.5 + test::hills(c, r, 0.5)); });
+      HeightBlocks blocks(source, kPlenty);
+      const auto block = blocks.get(0, 0);
+      ASSERT_TRUE(block.has_value());
+      expect_block(*source, **block, 0, 0, range_m * 0x1p-23 + 1e-15 * std::abs(from_m));
+    }
+  }
+}
+
 TEST_F(HeightBlocksTest, SeveralThreadsShareTheCache) {
   const auto source = open({.columns = 1300, .rows = 1300}, [](int c, int r) { return c + 2 * r; });
   HeightBlocks blocks(source, 6 * sizeof(float) * kBlockStride * kBlockSamples);
