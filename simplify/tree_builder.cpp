@@ -25,6 +25,10 @@ using codec::TileId;
 constexpr double kStepsPerBound = 4;
 /// Heights are counted in 32-bit steps from 0.
 constexpr double kMaxSteps = 1 << 30;
+/// Errors and heights of which every product that a test in float forms can be formed, metres.
+constexpr double kLeastError = 1e-30;
+constexpr double kMostError = 1e30;
+constexpr double kMostHeight = 1e30;
 
 /// The largest height difference within any tile of the level.
 double largest_relief(const ReferenceSurface& surface, const codec::TreeLayout& layout, int level) {
@@ -36,6 +40,47 @@ double largest_relief(const ReferenceSurface& surface, const codec::TreeLayout& 
     }
   }
   return relief;
+}
+
+/// Fails where not even floating-point numbers hold what has to be computed.
+Expected<void> check_scale(const codec::TreeLayout& layout, double farthest_m) {
+  if (farthest_m > kMostHeight) {
+    return fail(ErrorCode::kBadData,
+                fmt::format("heights reach {:.3g} m, which is no elevation; mark wrong samples as nodata "
+                            "(gdal_edit.py -a_nodata VALUE)",
+                            farthest_m));
+  }
+  if (layout.leaf_error_m < kLeastError) {
+    return fail(ErrorCode::kUsage,
+                fmt::format("an error of {:.3g} m is too small to compute with; choose --error {} or "
+                            "more",
+                            layout.leaf_error_m, kLeastError));
+  }
+  if (layout.bound_m(0) > kMostError) {
+    return fail(ErrorCode::kUsage,
+                fmt::format("an error of {:.3g} m is too large to compute with; choose --error {:.3g} or less",
+                            layout.leaf_error_m, 0.9 * std::ldexp(kMostError, -layout.leaf_level)));
+  }
+  return {};
+}
+
+/// How far some heights are beyond what the height lattice of a level holds.
+struct Misfit {
+  double factor = 0;  ///< The error would have to be this many times as large.
+  double height_m = 0;
+  int level = 0;
+  bool from_zero = false;  ///< The height is a distance from 0, else a difference within a tile.
+};
+
+std::string advice(const Misfit& misfit, double leaf_error_m) {
+  const std::string heights = misfit.from_zero
+                                  ? fmt::format("heights lie up to {:.6g} m from 0, too far", misfit.height_m)
+                                  : fmt::format("heights differ by up to {:.6g} m within a tile of level {}, too much",
+                                                misfit.height_m, misfit.level);
+  return fmt::format(
+      "{} for the format at an error of {:.6g} m; choose --error {:.3g} or more, or mark wrong samples as "
+      "nodata",
+      heights, leaf_error_m, 1.1 * leaf_error_m * misfit.factor);
 }
 
 struct MadeTile {
@@ -84,30 +129,19 @@ std::vector<double> height_steps(const codec::TreeLayout& layout) {
 Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout) {
   const auto range = surface.height_range_m(layout.cells({0, 0, 0}));
   const double farthest = std::max(std::abs(range[0]), std::abs(range[1]));
+  if (auto computable = check_scale(layout, farthest); !computable) return tl::unexpected(computable.error());
   std::vector<double> steps = height_steps(layout);
-  double worst = 1;
-  double worst_relief = 0;
-  int worst_level = 0;
+  Misfit worst;
   for (int level = 0; level <= layout.leaf_level; ++level) {
     const double bound = layout.bound_m(level);
     // A vertex may lie off the samples by the bound.
     const double relief = largest_relief(surface, layout, level) + 2 * bound;
     const double step = steps[static_cast<std::size_t>(level)];
-    const double needed = std::max(relief / step / codec::kMaxHeightAddress, farthest / step / kMaxSteps);
-    if (needed > worst) {
-      worst = needed;
-      worst_relief = relief;
-      worst_level = level;
-    }
+    const Misfit too_high{relief / step / codec::kMaxHeightAddress, relief, level, false};
+    const Misfit too_far{farthest / step / kMaxSteps, farthest, level, true};
+    worst = std::max({worst, too_high, too_far}, [](const Misfit& a, const Misfit& b) { return a.factor < b.factor; });
   }
-  if (worst > 1) {
-    return fail(
-        ErrorCode::kBadData,
-        fmt::format(
-            "heights differ by up to {:.6g} m within a tile of level {}, too much for the format at an error of "
-            "{:.6g} m; choose --error {:.3g} or more, or mark wrong samples as nodata",
-            worst_relief, worst_level, layout.leaf_error_m, 1.1 * layout.leaf_error_m * worst));
-  }
+  if (worst.factor > 1) return fail(ErrorCode::kBadData, advice(worst, layout.leaf_error_m));
   return steps;
 }
 

@@ -38,8 +38,9 @@ std::vector<LevelSummary> make_levels(const codec::TreeLayout& layout);
 
 /// The height steps of every level: a quarter of its bound.
 std::vector<double> height_steps(const codec::TreeLayout& layout);
-/// The same. Fails with kBadData when some tile's relief is too large for the format at that step; says what error
-/// would do.
+/// The same. Fails with kBadData when some tile's relief or some height's distance from 0 is too large for the lattice
+/// at that step, and says what error would do; with kBadData too when heights cannot be elevations, and with kUsage
+/// when the error itself is out of all range.
 Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout);
 
 /// Makes all tiles that `writer` lacks, in depth-first Z-order, children before their parent, over all threads

@@ -297,18 +297,53 @@ TEST(ChooseHeightSteps, TakesAQuarterOfTheBound) {
     EXPECT_EQ(layout.z_step_m[static_cast<std::size_t>(level)], layout.bound_m(level) / 4);
 }
 
+/// The refusal of a layout, which has the code and the words and, where it names an error, works with that.
+void expect_refused(const Terrain& terrain, codec::TreeLayout layout, ErrorCode code,
+                    const std::vector<std::string>& words) {
+  const auto steps = choose_height_steps(*terrain.surface, layout);
+  ASSERT_FALSE(steps.has_value());
+  EXPECT_EQ(steps.error().code, code);
+  const std::string text = steps.error().text();
+  for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << word << " not in: " << text;
+  const auto at = text.find("--error ");
+  if (at == std::string::npos) return;
+  layout.leaf_error_m = std::stod(text.substr(at + 8));
+  EXPECT_TRUE(choose_height_steps(*terrain.surface, layout).has_value()) << "the advice does not help: " << text;
+}
+
 TEST(ChooseHeightSteps, SaysWhatErrorWouldDo) {
   const Terrain terrain = test::make_terrain(65, 65, [](int c, int) { return c == 10 ? 131072.0 : 0.0; });
   codec::TreeLayout layout = test::make_layout(terrain, 32, 1);
   layout.leaf_error_m = 0.001;
-  const auto steps = choose_height_steps(*terrain.surface, layout);
-  ASSERT_FALSE(steps.has_value());
-  EXPECT_EQ(steps.error().code, ErrorCode::kBadData);
-  const std::string text = steps.error().text();
-  const auto at = text.find("--error ");
-  ASSERT_NE(at, std::string::npos) << text;
-  layout.leaf_error_m = std::stod(text.substr(at + 8));
-  EXPECT_TRUE(choose_height_steps(*terrain.surface, layout).has_value()) << "the advice helps: " << text;
+  expect_refused(terrain, layout, ErrorCode::kBadData,
+                 {"differ by up to 131072 m within a tile", "--error ", "nodata"});
+}
+
+TEST(ChooseHeightSteps, SaysWhatErrorWouldDoFarFromZero) {
+  for (const double height_m : {1e6, -1e6}) {
+    const Terrain terrain = test::make_terrain(65, 65, [=](int c, int) { return height_m + 0.25 * (c % 2); });
+    codec::TreeLayout layout = test::make_layout(terrain, 32, 1);
+    layout.leaf_error_m = 0.001;
+    expect_refused(terrain, layout, ErrorCode::kBadData, {"lie up to 1e+06 m from 0", "--error ", "nodata"});
+  }
+}
+
+TEST(ChooseHeightSteps, NamesUnmarkedNodata) {
+  const Terrain terrain =
+      test::make_exact_terrain(65, 65, [](int c, int r) { return c == r ? -3.4028234663852886e38 : 5.0; });
+  codec::TreeLayout layout;
+  layout.columns = layout.rows = 65;
+  layout.leaf_error_m = 1;
+  expect_refused(terrain, layout, ErrorCode::kBadData, {"-a_nodata"});
+}
+
+TEST(ChooseHeightSteps, RefusesErrorsOutOfAllRange) {
+  const Terrain terrain = test::make_terrain(65, 65, [](int, int) { return 0.0; });
+  codec::TreeLayout layout = test::make_layout(terrain, 32, 1);
+  for (const double error_m : {1e-40, 5e-324, 1e40, 1e308}) {
+    layout.leaf_error_m = error_m;
+    expect_refused(terrain, layout, ErrorCode::kUsage, {error_m < 1 ? "too small" : "too large", "--error "});
+  }
 }
 
 }  // namespace
