@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 namespace tintree::simplify {
 namespace {
 
 /// Below this weight the hub cannot move a point measurably: it lies on the old outer edge or hard by it.
 constexpr float kMinWeight = 1e-6F;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // Eight floats at a time; compiled once for the machine's baseline and once for AVX2.
 #define TINTREE_CLONES __attribute__((target_clones("avx2", "default")))
@@ -22,6 +24,7 @@ TINTREE_CLONES void clip_spans(const RowSpan* spans, int count, const RowSteps& 
   const Lanes iota = {0, 1, 2, 3, 4, 5, 6, 7};
   Lanes best_lo = iota * 0 + lo;
   Lanes best_hi = iota * 0 + hi;
+  const Lanes nothing = iota * 0 + kInfinity;
   for (int k = 0; k < count; ++k) {
     const RowSpan& span = spans[k];
     const auto n = static_cast<float>(span.n);
@@ -42,7 +45,7 @@ TINTREE_CLONES void clip_spans(const RowSpan* spans, int count, const RowSteps& 
       if (steps.light) {
         const LaneMask beyond =
             (at < n) & (weight <= kMinWeight) & ((residual > steps.bound) | (residual < -steps.bound));
-        best_lo = beyond ? best_hi + 1 : best_lo;
+        best_lo = beyond ? nothing : best_lo;
       }
     }
   }
