@@ -10,6 +10,7 @@
 
 #include "simplify/tin_maker.h"
 #include "tests/simplify/support.h"
+#include "tests/support/adversarial_terrain.h"
 
 namespace tintree::simplify {
 namespace {
@@ -143,7 +144,7 @@ TEST(BorderRibbon, NeighboursAgreeAtCliffs) {
 }
 
 TEST(BorderRibbon, NeighboursAgreeOnEveryShape) {
-  for (const test::Shape& shape : test::adversarial_shapes()) {
+  for (const test::AdversarialTerrain& shape : test::everyday_terrains()) {
     SCOPED_TRACE(shape.name);
     expect_equal_sides(test::make_terrain(shape.columns, shape.rows, shape.height), 16, 1.5);
   }

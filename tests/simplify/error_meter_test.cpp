@@ -11,6 +11,7 @@
 
 #include "simplify/tin_maker.h"
 #include "tests/simplify/support.h"
+#include "tests/support/adversarial_terrain.h"
 
 namespace tintree::simplify {
 namespace {
@@ -76,14 +77,14 @@ void compare_tree(const Terrain& terrain, int tile_cells, double error_m) {
   }
 }
 
-class ErrorMeterTest : public testing::TestWithParam<test::Shape> {};
+class ErrorMeterTest : public testing::TestWithParam<test::AdversarialTerrain> {};
 
 TEST_P(ErrorMeterTest, EqualsTheOverlay) {
   const Terrain terrain = test::make_terrain(GetParam().columns, GetParam().rows, GetParam().height);
   compare_tree(terrain, 32, 1.5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, ErrorMeterTest, testing::ValuesIn(test::adversarial_shapes()),
+INSTANTIATE_TEST_SUITE_P(Shapes, ErrorMeterTest, testing::ValuesIn(test::everyday_terrains()),
                          [](const auto& shape) { return shape.param.name; });
 
 TEST(ErrorMeter, MeasuresVerticesBetweenSamples) {

@@ -10,11 +10,12 @@
 #include "simplify/border_ribbon.h"
 #include "simplify/split_flags.h"
 #include "tests/simplify/support.h"
+#include "tests/support/adversarial_terrain.h"
 
 namespace tintree::simplify {
 namespace {
 
-using test::Shape;
+using test::AdversarialTerrain;
 using test::Terrain;
 
 /// A start mesh over one square, and the means to look at it.
@@ -149,7 +150,7 @@ class Start {
   StartMesh mesh_;
 };
 
-class RightTriangleMeshTest : public testing::TestWithParam<Shape> {};
+class RightTriangleMeshTest : public testing::TestWithParam<AdversarialTerrain> {};
 
 TEST_P(RightTriangleMeshTest, IsSoundAtEveryBound) {
   const Terrain terrain = test::make_terrain(GetParam().columns, GetParam().rows, GetParam().height);
@@ -161,7 +162,7 @@ TEST_P(RightTriangleMeshTest, IsSoundAtEveryBound) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, RightTriangleMeshTest, testing::ValuesIn(test::adversarial_shapes()),
+INSTANTIATE_TEST_SUITE_P(Shapes, RightTriangleMeshTest, testing::ValuesIn(test::everyday_terrains()),
                          [](const auto& shape) { return shape.param.name; });
 
 TEST(RightTriangleMesh, StopsAtOnceWhereTheSurfaceIsFlat) {

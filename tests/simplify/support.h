@@ -27,24 +27,9 @@ Terrain make_terrain(int columns, int rows, const HeightFunction& height);
 Terrain make_exact_terrain(int columns, int rows, const HeightFunction& height);
 Terrain read_terrain(const std::string& path);
 
-/// A hash of the arguments, uniform in [0, 1).
-double noise(int column, int row, unsigned seed = 0);
-
-/// Hills of `relief` metres with noise of `roughness` metres, and each sample missing with chance `holes`.
-HeightFunction rough_hills(double relief, double roughness, double holes, unsigned seed = 0);
-
-/// A shape that a simplifier may stumble over.
-struct Shape {
-  std::string name;
-  int columns;
-  int rows;
-  HeightFunction height;
-};
-
-/// Flat and steep, smooth and noisy, whole and full of holes, square and odd: see the source.
-const std::vector<Shape>& adversarial_shapes();
-
-/// A layout for a terrain with spacing 1 and the height steps that a build would choose.
+/// A layout for a terrain with the height steps that a build would choose; fails where the build would.
+Expected<codec::TreeLayout> plan_layout(const Terrain& terrain, int tile_cells, double leaf_error_m);
+/// The same; throws std::runtime_error.
 codec::TreeLayout make_layout(const Terrain& terrain, int tile_cells, double leaf_error_m);
 
 /// Every tile of the layout, whether or not it holds surface.
@@ -69,8 +54,13 @@ struct Overlay {
 Overlay overlay(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id,
                 const codec::TileMesh& mesh);
 
-/// Everything that a tile promises, checked by brute force: valid addresses, positive triangles, manifold
-/// edges, exact coverage, vertical distance within the bound, a codec that keeps it.
+/// What a mesh has to be by itself, checked by brute force: valid addresses, positive triangles, a 2-manifold,
+/// the area of the surface's triangles to the last bit.
+void expect_sound_mesh(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id,
+                       const codec::TileMesh& mesh);
+
+/// Everything that a tile promises: a sound mesh, or none where there is no surface, exact coverage, vertical
+/// distance within the bound, a codec that keeps it.
 void expect_sound_tile(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id,
                        const codec::TileMesh& mesh);
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <vector>
 
@@ -116,6 +117,25 @@ double hills(int column, int row, double relief) {
   const double smooth = std::sin(x * 0.11) * std::cos(y * 0.07) + 0.3 * std::sin(x * 0.31 + y * 0.23);
   const double rough = 0.05 * std::sin(x * 2.7 + y * 1.9) * std::cos(x * 1.3 - y * 3.1);
   return relief * (smooth + rough) / 1.35;
+}
+
+double noise(int column, int row, unsigned seed) {
+  std::uint32_t h = static_cast<std::uint32_t>(column) * 0x9E3779B1U ^ static_cast<std::uint32_t>(row) * 0x85EBCA77U ^
+                    (seed + 1) * 0xC2B2AE3DU;
+  for (int i = 0; i < 2; ++i) {
+    h ^= h >> 15;
+    h *= 0x2C1B3C6DU;
+    h ^= h >> 12;
+    h *= 0x297A2D39U;
+  }
+  return static_cast<double>(h ^ (h >> 15)) / 4294967296.0;
+}
+
+HeightFunction rough_hills(double relief, double roughness, double holes, unsigned seed) {
+  return [=](int c, int r) {
+    if (noise(c, r, 7 * seed + 1) < holes) return kMissing;
+    return hills(c + static_cast<int>(100 * seed), r, relief) + roughness * noise(c, r, seed);
+  };
 }
 
 }  // namespace tintree::test

@@ -58,4 +58,10 @@ HeightGrid read_grid(const std::string& path);
 /// Smooth hills with some roughness, deterministic, within about -`relief`..`relief`.
 double hills(int column, int row, double relief = 20);
 
+/// A hash of the arguments, uniform in [0, 1).
+double noise(int column, int row, unsigned seed = 0);
+
+/// Hills of `relief` metres with noise of `roughness` metres, and each sample missing with chance `holes`.
+HeightFunction rough_hills(double relief, double roughness, double holes, unsigned seed = 0);
+
 }  // namespace tintree::test
