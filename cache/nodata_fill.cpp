@@ -58,14 +58,22 @@ std::int64_t rows_at_once(std::int64_t columns) {
   return std::clamp<std::int64_t>((std::int64_t{1} << 19) / columns, 1, 256);
 }
 
+Error stopped() { return {ErrorCode::kStopped, "stopped while filling holes", {}}; }
+
 Error gdal_failure(const std::string& folder) {
   const std::string reason = CPLGetLastErrorMsg();
   return {ErrorCode::kIo, "holes cannot be filled (" + (reason.empty() ? "GDAL gives no reason" : reason) + ")",
           folder};
 }
 
+/// Reports rows done of a copy; fails when the build is to stop. A sudden end would leave the work folder behind.
+Expected<void> report_rows(const StepProgress& progress, const char* step, std::int64_t done, std::int64_t rows) {
+  if (!progress || progress(step, static_cast<std::uint64_t>(done), static_cast<std::uint64_t>(rows))) return {};
+  return tl::unexpected(stopped());
+}
+
 Expected<GDALDatasetUniquePtr> copy_out(const ScratchRaster& heights, std::int64_t columns, std::int64_t rows,
-                                        const std::string& folder) {
+                                        const std::string& folder, const StepProgress& progress) {
   const char* const options[] = {"BIGTIFF=IF_SAFER", nullptr};
   const std::string path = folder + "/heights.tif";
   GDALDatasetUniquePtr out(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
@@ -85,13 +93,16 @@ Expected<GDALDatasetUniquePtr> copy_out(const ScratchRaster& heights, std::int64
                        nullptr) != CE_None) {
       return tl::unexpected(gdal_failure(folder));
     }
+    if (auto go_on = report_rows(progress, "copying rows to fill", row + height, rows); !go_on) {
+      return tl::unexpected(go_on.error());
+    }
   }
   return out;
 }
 
 /// Takes the filled samples over, and only where there were none.
 Expected<void> copy_in(GDALRasterBand& filled, ScratchRaster& heights, std::int64_t columns, std::int64_t rows,
-                       const std::string& folder) {
+                       const std::string& folder, const StepProgress& progress) {
   const std::int64_t step = rows_at_once(columns);
   std::vector<double> lines(static_cast<std::size_t>(columns * step));
   std::vector<double> fills(lines.size());
@@ -105,6 +116,7 @@ Expected<void> copy_in(GDALRasterBand& filled, ScratchRaster& heights, std::int6
     }
     std::ranges::transform(lines, fills, lines.begin(), [](double h, double f) { return std::isnan(h) ? f : h; });
     if (auto written = heights.write(0, row, columns, height, lines.data(), columns); !written) return written;
+    if (auto go_on = report_rows(progress, "copying filled rows", row + height, rows); !go_on) return go_on;
   }
   return {};
 }
@@ -133,14 +145,14 @@ Expected<void> fill_nodata(ScratchRaster& heights, std::int64_t columns, std::in
   if (!work) return tl::unexpected(work.error());
   const TemporaryFilesIn in_work_folder(work->path());
   CPLErrorReset();
-  auto filled = copy_out(heights, columns, rows, work->path());
+  auto filled = copy_out(heights, columns, rows, work->path(), progress);
   if (!filled) return tl::unexpected(filled.error());
   GDALRasterBand* band = (*filled)->GetRasterBand(1);
   FillProgress state{&progress};
   const CPLErr done = GDALFillNodata(band, nullptr, kFillDistance, 0, 0, nullptr, on_progress, &state);
-  if (state.stopped) return fail(ErrorCode::kStopped, "stopped while filling holes");
+  if (state.stopped) return tl::unexpected(stopped());
   if (done != CE_None || band->FlushCache(false) != CE_None) return tl::unexpected(gdal_failure(folder));
-  return copy_in(*band, heights, columns, rows, folder);
+  return copy_in(*band, heights, columns, rows, folder, progress);
 }
 
 }  // namespace tintree::cache
