@@ -10,24 +10,14 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/tree_layout.h"
+
 namespace tintree::cache {
 namespace {
 
 using codec::TileId;
 using codec::TreeLayout;
-
-TreeLayout make_layout(std::int64_t columns, std::int64_t rows, int tile_cells) {
-  TreeLayout l;
-  l.columns = columns;
-  l.rows = rows;
-  l.tile_cells = tile_cells;
-  l.leaf_level = TreeLayout::leaf_level_for(columns, rows, tile_cells);
-  l.dx_m = 10;
-  l.dy_m = 20;
-  l.leaf_error_m = 1;
-  l.z_step_m.assign(static_cast<std::size_t>(l.leaf_level) + 1, 0.1);
-  return l;
-}
+using test::make_layout;
 
 /// The root and, of every tile's possible children, each with a chance of `keep`; in key order.
 std::vector<TileInfo> random_tiles(std::mt19937& random, const TreeLayout& layout, double keep) {
@@ -173,12 +163,14 @@ TEST(TileBounds, BoxIsCutToTheRaster) {
   root.z_max_m = 2;
   const TileBounds bounds(layout, std::vector{root});
   const Box box = bounds.box(bounds.nodes()[0]);
-  EXPECT_EQ(box.min, (std::array<double, 3>{0, -200, -1}));
-  EXPECT_EQ(box.max, (std::array<double, 3>{200, 0, 2}));
+  EXPECT_EQ(box.min, (std::array<double, 3>{0, -10 * 28.25, -1}));
+  EXPECT_EQ(box.max, (std::array<double, 3>{20 * 30.5, 0, 2}));
 }
 
 TEST(TileBounds, BoxHoldsATurnedTile) {
   TreeLayout layout = make_layout(21, 11, 8);
+  layout.dx_m = 10;
+  layout.dy_m = 20;
   layout.axes = {{0.6, 0.8}, {0.8, -0.6}};
   TileInfo root;
   const TileBounds bounds(layout, std::vector{root});

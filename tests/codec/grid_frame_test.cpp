@@ -7,21 +7,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/tree_layout.h"
+
 namespace tintree::codec {
 namespace {
 
-TreeLayout make_layout(std::int64_t columns, std::int64_t rows, int tile_cells) {
-  TreeLayout l;
-  l.columns = columns;
-  l.rows = rows;
-  l.tile_cells = tile_cells;
-  l.leaf_level = TreeLayout::leaf_level_for(columns, rows, tile_cells);
-  l.dx_m = 30.5;
-  l.dy_m = 28.25;
-  l.leaf_error_m = 0.75;
-  l.z_step_m.assign(static_cast<std::size_t>(l.leaf_level) + 1, 0.125);
-  return l;
-}
+using test::make_layout;
 
 TEST(TreeLayout, LeafLevelIsTheSmallestThatCovers) {
   std::mt19937_64 random(1);

@@ -23,7 +23,7 @@ struct RasterSpec {
   double west = 1000;  ///< CRS coordinates of the upper-left pixel's outer corner.
   double north = 2000;
   double turn_rad = 0;  ///< The grid is turned by this round that corner, counter-clockwise.
-  int epsg = 32610;  ///< 0: no CRS, and no georeference either.
+  int epsg = 32610;     ///< 0: no CRS, and no georeference either.
   SampleType type = SampleType::kFloat64;
   std::optional<double> nodata = -9999;  ///< Written for missing samples; without it NaN is.
   int tile = 0;                          ///< Side of the blocks; 0: rows.
