@@ -98,7 +98,8 @@ std::vector<LevelSample> choose_sample(const codec::TreeLayout& layout) {
     const std::vector<TileId>& all = tiles[static_cast<std::size_t>(l)];
     LevelSample level{.level = l, .tiles = all.size(), .sample = {}};
     for (const TileId& id : all) level.cells += cell_count(layout, id);
-    const double one = std::ldexp(1.0, 2 * (layout.leaf_level - l));
+    // Tiles at the DEM's end may be slivers: what one holds on average.
+    const double one = static_cast<double>(tiles.back().size()) / static_cast<double>(all.size());
     const double wanted = one <= 2 * area ? std::max(std::floor(area / one), 1.0) : 0;
     const auto count = static_cast<std::size_t>(std::min({wanted, kMostTiles, static_cast<double>(all.size())}));
     for (std::size_t i = 0; i < count; ++i) {

@@ -47,6 +47,22 @@ TEST_F(PlanTest, OfAllTilesIsRight) {
   for (const char* key : {"tiles", "vertices", "triangles", "payload_bytes"}) EXPECT_EQ(planned.at(key), built.at(key));
 }
 
+TEST_F(PlanTest, OfSeveralDemsWithFilledHolesIsRight) {
+  write_raster(dem_, {.columns = 90, .rows = 70, .dx = 10, .dy = 10},
+               [](int c, int r) { return c > 20 && c < 60 && r > 30 ? kMissing : hills(c, r); });
+  const std::string east = dir_.file("east.tif");
+  write_raster(east, {.columns = 50, .rows = 70, .dx = 10, .dy = 10, .west = 1800},
+               [](int c, int r) { return hills(c + 80, r); });
+  const Words input = {"--nodata", "fill", east};
+  const json planned = plan(input);
+  EXPECT_EQ(std::distance(fs::directory_iterator(dir_.path()), {}), 3) << "only DEMs and report are left";
+  ASSERT_NE(digest(input), "");
+  const json built = json::parse(read_file(report_));
+  for (const char* key : {"samples", "tiles", "vertices", "triangles", "payload_bytes"}) {
+    EXPECT_EQ(planned.at(key), built.at(key)) << key;
+  }
+}
+
 TEST_F(PlanTest, WritesNothingAndNeedsNoOutput) {
   const ProgramResult r = run_program(TINTREE_BUILD, {dem_, "--plan"});
   EXPECT_EQ(r.exit_code, kDone) << r.all();
