@@ -12,6 +12,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPassThresholds[] = {1e-3, 0.256, 65.536, kInfinity};
 /// The last pass is repeated until fewer than one in this many live vertices collapse.
 constexpr std::int64_t kSettled = 100;
+/// Mean squared distance of the planes from the merged vertex, in squared bounds, beyond which hardly any collapse
+/// keeps the bound (docs/performance.md).
+constexpr double kHopeless = 2;
 /// Height error, in bounds, that a vertex may trade for staying near the middle of its edge.
 constexpr double kRidge = 0.05;
 /// How often a sweep looks whether it has been interrupted.
@@ -115,7 +118,8 @@ void EdgeCollapse::collect_candidates(std::int32_t vertex, double threshold) {
   });
 }
 
-/// Where the merged vertex would go and what that costs; false when the two kinds cannot merge.
+/// Where the merged vertex would go and what that costs; false when the two kinds cannot merge, or surely too far
+/// from the surface.
 bool EdgeCollapse::propose(Candidate& candidate) const {
   const LatticeVertex& from = mesh_->vertices[at(candidate.gone)];
   const LatticeVertex& to = mesh_->vertices[at(candidate.kept)];
@@ -154,7 +158,7 @@ bool EdgeCollapse::propose(Candidate& candidate) const {
     candidate.cost += sum.zz * off * off;
   }
   candidate.cost = std::max(candidate.cost, 0.0);
-  return true;
+  return candidate.cost <= kHopeless * sum.zz * spec_.bound_m * spec_.bound_m;
 }
 
 bool EdgeCollapse::on_line(const LatticeVertex& v) const {
@@ -235,23 +239,22 @@ bool EdgeCollapse::fit_height(const Candidate& candidate, LatticeVertex& positio
   Point hub = point(position);
   HeightInterval interval{0, 0};
   if (!fixed) {
-    hub.z = distance_->height_at(hub.x, hub.y);
+    hub.z = distance_->surface().height_at(hub.x, hub.y);
     if (std::isnan(hub.z)) return false;
     const double reach = line ? spec_.line_bound_m : spec_.bound_m;
     interval = {-reach, reach};
   }
-  // A ribbon is one cell wide on either side of its line: its triangles hold no samples but on their edges.
-  if (spec_.line == CollapseSpec::Line::kAbsent) {
-    for (const OuterEdge& e : outer_) {
-      distance_->clip_triangle(hub, point(e.from), point(e.to), spec_.bound_m, interval);
-      if (interval.empty()) return false;
-    }
-  }
+  star_.hub = hub;
+  star_.bound_m = spec_.bound_m;
+  star_.sides.clear();
+  star_.spokes.clear();
+  for (const OuterEdge& e : outer_) star_.sides.push_back({point(e.from), point(e.to)});
   for (const std::int32_t s : spokes_) {
     const bool along = line && on_line(mesh_->vertices[at(s)]);
-    distance_->clip_spoke(hub, point(s), along ? spec_.line_bound_m : spec_.bound_m, interval);
-    if (interval.empty()) return false;
+    star_.spokes.push_back({point(s), along ? spec_.line_bound_m : spec_.bound_m});
   }
+  distance_->clip_star(star_, interval);
+  if (interval.empty()) return false;
   if (fixed) return true;
   Quadric sum = quadrics_[at(candidate.gone)];
   sum += quadrics_[at(candidate.kept)];

@@ -11,8 +11,8 @@ namespace tintree::simplify {
 
 /// The lattice that vertices lie on and the bound that the mesh has to keep.
 struct CollapseSpec {
-  /// The line of a border ribbon, the middle of a mesh that is one cell wide on either side of it: x = 0 or
-  /// y = 0; absent in a tile. It has a bound of its own.
+  /// The line of a border ribbon, which runs through the middle of its mesh: x = 0 or y = 0; absent in a tile.
+  /// It has a bound of its own.
   enum class Line { kAbsent, kX, kY };
 
   double bound_m = 0;  ///< Largest vertical distance to the surface, guard already taken off.
@@ -88,6 +88,7 @@ class EdgeCollapse {
   std::vector<Candidate> candidates_;
   std::vector<OuterEdge> outer_;
   std::vector<std::int32_t> spokes_;
+  Star star_;
 };
 
 }  // namespace tintree::simplify

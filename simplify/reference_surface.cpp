@@ -62,22 +62,31 @@ PlanePatch fit(const HeightBlock& block, int i0, int j0, int cells) {
 
   double low = kInfinity;
   double high = -kInfinity;
-  const double a = patch.a;
-  for (int j = 0; j <= cells; ++j) {
-    const float* line = block.row(j0 + j) + i0;
+  int low_row = 0;
+  int high_row = 0;
+  const auto residual = [&](int i, int j) {
     const double start = static_cast<double>(patch.c) - block.base_m + static_cast<double>(patch.b) * j;
+    return static_cast<double>(block.row(j0 + j)[i0 + i]) - (start + static_cast<double>(patch.a) * i);
+  };
+  for (int j = 0; j <= cells; ++j) {
     double row_low = kInfinity;
     double row_high = -kInfinity;
     for (int i = 0; i <= cells; ++i) {
-      const double r = static_cast<double>(line[i]) - (start + a * i);
+      const double r = residual(i, j);
       row_low = r < row_low ? r : row_low;
       row_high = r > row_high ? r : row_high;
     }
-    low = std::min(low, row_low);
-    high = std::max(high, row_high);
+    if (row_low < low) low = row_low, low_row = j;
+    if (row_high > high) high = row_high, high_row = j;
   }
   patch.low = codec::round_down(low);
   patch.high = codec::round_up(high);
+  for (int i = 0; i <= cells; ++i) {
+    if (residual(i, low_row) == low) patch.low_x = static_cast<std::uint8_t>(i);
+    if (residual(i, high_row) == high) patch.high_x = static_cast<std::uint8_t>(i);
+  }
+  patch.low_y = static_cast<std::uint8_t>(low_row);
+  patch.high_y = static_cast<std::uint8_t>(high_row);
   return patch;
 }
 

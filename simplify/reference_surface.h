@@ -26,6 +26,9 @@ struct PlanePatch {
   float c = 0;
   float low = 0;
   float high = 0;
+  /// In squares of up to 64 cells: where, from (x0, y0), a sample with either residual lies.
+  std::uint8_t low_x = 0, low_y = 0;
+  std::uint8_t high_x = 0, high_y = 0;
 
   bool empty() const { return low > high; }
 };

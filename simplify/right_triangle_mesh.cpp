@@ -1,319 +1,171 @@
 #include "simplify/right_triangle_mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
-#include "simplify/split_flags.h"
+#include "simplify/split_search.h"
+#include "simplify/surface_distance.h"
 
 namespace tintree::simplify {
 namespace {
 
-struct GridPoint {
-  std::int64_t x;
-  std::int64_t y;
-};
-
-/// Decides which right triangles to split. Points are classified by their coordinates: with u the largest
-/// power of two that divides both, (x / u, y / u) both odd is the centre of a square of side 2u, one odd the
-/// middle of such a square's side. Each is the middle of the hypotenuse of two triangles (one at the tile's
-/// border), and splitting there needs the coarser triangles split first.
-class Splitter {
- public:
-  Splitter(SurfaceDistance& distance, const SurfaceView& view, std::int64_t column0, std::int64_t row0,
-           std::int64_t cells, double bound_m, const HeightLattice& heights)
-      : distance_(&distance),
-        view_(&view),
-        column0_(column0),
-        row0_(row0),
-        cells_(cells),
-        bound_m_(bound_m),
-        heights_(heights),
-        flags_(cells) {}
-
-  SplitFlags run() {
-    force_border();
-    for (std::int64_t y = 0; y < cells_ && !distance_->interrupted(); y += kSquare) {
-      for (std::int64_t x = 0; x < cells_; x += kSquare) {
-        if (is_active(x, y, kSquare)) split_square(x, y);
-      }
-    }
-    for (std::int64_t side = 2 * kSquare; side <= cells_; side *= 2) split_all(0, 0, cells_, side);
-    for (const std::int64_t x : {std::int64_t{0}, cells_}) {
-      for (const std::int64_t y : {std::int64_t{0}, cells_}) flags_.set(x, y);
-    }
-    return std::move(flags_);
-  }
-
- private:
-  static constexpr std::int64_t kSquare = kPatchCells[0];
-
-  Point corner(std::int64_t x, std::int64_t y) {
-    const double h = distance_->sample(x, y);
-    return {static_cast<double>(x), static_cast<double>(y), std::isnan(h) ? 0 : heights_.snapped_m(h)};
-  }
-
-  /// Sets the flag of a point and of all whose triangles have to be split before its own exist.
-  void force(std::int64_t x, std::int64_t y) {
-    if (!flags_.set(x, y)) return;
-    const std::int64_t unit = (x | y) & -(x | y);
-    const bool odd_x = (x & unit) != 0;
-    const bool odd_y = (y & unit) != 0;
-    if (odd_x && odd_y) {
-      if (2 * unit >= cells_) return;
-      // The square's corners of mixed parity are the middles of the coarser square's sides.
-      const std::int64_t side = 2 * unit;
-      const std::int64_t west = x - unit;
-      const std::int64_t north = y - unit;
-      const bool even = ((west / side + north / side) & 1) == 0;
-      force(even ? west + side : west, north);
-      force(even ? west : west + side, north + side);
-    } else if (odd_x) {
-      if (y - unit >= 0) force(x, y - unit);
-      if (y + unit <= cells_) force(x, y + unit);
-    } else {
-      if (x - unit >= 0) force(x - unit, y);
-      if (x + unit <= cells_) force(x + unit, y);
-    }
-  }
-
-  /// Both halves of a unit cell become triangles of their own.
-  void force_cell(std::int64_t x, std::int64_t y) {
-    const bool even = ((x + y) & 1) == 0;
-    force(even ? x + 1 : x, y);
-    force(even ? x : x + 1, y + 1);
-  }
-
-  bool has_samples(std::int64_t x, std::int64_t y) {
-    for (int k = 0; k < 4; ++k) {
-      if (!std::isnan(distance_->sample(x + (k & 1), y + (k >> 1)))) return true;
-    }
-    return false;
-  }
-
-  void force_border() {
-    for (std::int64_t i = 0; i < cells_; ++i) {
-      if (has_samples(i, 0)) force_cell(i, 0);
-      if (has_samples(i, cells_ - 1)) force_cell(i, cells_ - 1);
-      if (has_samples(0, i)) force_cell(0, i);
-      if (has_samples(cells_ - 1, i)) force_cell(cells_ - 1, i);
-    }
-  }
-
-  /// False when the residual pyramid shows that no triangle inside the square needs splitting: its corners,
-  /// snapped, lie in the patch's slab, so the triangle does too.
-  bool is_active(std::int64_t x, std::int64_t y, std::int64_t side) const {
-    const cache::HeightBlocks& blocks = view_->surface().blocks();
-    if (cells_ < side) return true;
-    const std::int64_t column = column0_ + x;
-    const std::int64_t row = row0_ + y;
-    if (column >= blocks.columns() - 1 || row >= blocks.rows() - 1) return false;
-    const PlanePatch& patch = view_->surface()
-                                  .patches(column >> 8, row >> 8)
-                                  .at(0, static_cast<int>(column & 255), static_cast<int>(row & 255));
-    if (patch.empty()) return false;
-    const double thickness = static_cast<double>(patch.high) - static_cast<double>(patch.low);
-    return !(thickness + heights_.step_m / 2 <= bound_m_);
-  }
-
-  void split_square(std::int64_t x0, std::int64_t y0) {
-    const std::int64_t extent = std::min(kSquare, cells_);
-    const bool complete = extent == kSquare && load_square(x0, y0);
-    if (complete) split_smallest(x0, y0);
-    for (std::int64_t side = complete ? 4 : 2; side <= extent; side *= 2) split_all(x0, y0, extent, side);
-  }
-
-  /// Copies a square's samples; false when one is missing.
-  bool load_square(std::int64_t x0, std::int64_t y0) {
-    for (std::size_t j = 0; j < kLine; ++j) {
-      for (std::size_t i = 0; i < kLine; ++i) {
-        const double h = distance_->sample(x0 + static_cast<std::int64_t>(i), y0 + static_cast<std::int64_t>(j));
-        if (std::isnan(h)) return false;
-        samples_[j][i] = h;
-        snapped_[j][i] = heights_.snapped_m(h);
-      }
-    }
-    return true;
-  }
-
-  /// The tests of split_side() for squares of side 2, on the copied samples: the middle of each side and the
-  /// centre against the corners, and the unit diagonals that run against the surface's.
-  void split_smallest(std::int64_t x0, std::int64_t y0) {
-    const auto beyond = [this](double mesh, double surface) { return !(std::abs(mesh - surface) <= bound_m_); };
-    for (std::size_t j = 0; j + 1 < kLine; j += 2) {
-      const auto& north = snapped_[j];
-      const auto& south = snapped_[j + 2];
-      const auto* h = &samples_[j];
-      for (std::size_t i = 0; i + 1 < kLine; i += 2) {
-        const std::int64_t x = x0 + static_cast<std::int64_t>(i);
-        const std::int64_t y = y0 + static_cast<std::int64_t>(j);
-        const double centre = snapped_[j + 1][i + 1];
-        if (beyond((north[i] + north[i + 2]) / 2, h[0][i + 1])) force(x + 1, y);
-        if (beyond((south[i] + south[i + 2]) / 2, h[2][i + 1])) force(x + 1, y + 2);
-        if (beyond((north[i] + south[i]) / 2, h[1][i])) force(x, y + 1);
-        if (beyond((north[i + 2] + south[i + 2]) / 2, h[1][i + 2])) force(x + 2, y + 1);
-        const double north_east = (h[0][i + 1] + h[1][i + 2]) / 2;
-        const double south_west = (h[1][i] + h[2][i + 1]) / 2;
-        if (beyond((north[i + 2] + centre) / 2, north_east)) force_cell(x + 1, y);
-        if (beyond((south[i] + centre) / 2, south_west)) force_cell(x, y + 1);
-        const bool even = ((x / 2 + y / 2) & 1) == 0;
-        const double a = even ? north[i] : north[i + 2];
-        const double b = even ? south[i + 2] : south[i];
-        if (beyond((a + b) / 2, h[1][i + 1]) ||
-            (!even && (beyond(0.75 * a + 0.25 * b, north_east) || beyond(0.25 * a + 0.75 * b, south_west)))) {
-          force(x + 1, y + 1);
-        }
-      }
-    }
-  }
-
-  void split_all(std::int64_t x0, std::int64_t y0, std::int64_t extent, std::int64_t side) {
-    for (std::int64_t y = y0; y < y0 + extent && !distance_->interrupted(); y += side) {
-      for (std::int64_t x = x0; x < x0 + extent; x += side) split_side(x, y, side);
-    }
-  }
-
-  void test(const Point& a, const Point& b, const Point& c, std::int64_t x, std::int64_t y) {
-    if (flags_.get(x, y)) return;
-    if (distance_->fit_triangle(a, b, c, bound_m_) == SurfaceDistance::Fit::kBeyond) force(x, y);
-  }
-
-  /// The triangles of one square: four over its sides, and its two halves.
-  void split_side(std::int64_t x, std::int64_t y, std::int64_t side) {
-    const std::int64_t half = side / 2;
-    const std::int64_t east = x + side;
-    const std::int64_t south = y + side;
-    const bool open[4] = {!flags_.get(x + half, y), !flags_.get(x + half, south), !flags_.get(x, y + half),
-                          !flags_.get(east, y + half)};
-    const bool open_centre = !flags_.get(x + half, y + half);
-    if (!open_centre && !open[0] && !open[1] && !open[2] && !open[3]) return;
-    const Point nw = corner(x, y);
-    const Point ne = corner(east, y);
-    const Point sw = corner(x, south);
-    const Point se = corner(east, south);
-    const Point centre = corner(x + half, y + half);
-    if (open[0]) test(nw, ne, centre, x + half, y);
-    if (open[1]) test(sw, se, centre, x + half, south);
-    if (open[2]) test(nw, sw, centre, x, y + half);
-    if (open[3]) test(ne, se, centre, east, y + half);
-    const bool even = ((x / side + y / side) & 1) == 0;
-    if (even) {
-      test(nw, se, ne, x + half, y + half);
-      test(nw, se, sw, x + half, y + half);
-    } else {
-      test(ne, sw, nw, x + half, y + half);
-      test(ne, sw, se, x + half, y + half);
-    }
-  }
-
-  static constexpr std::size_t kLine = kSquare + 1;
-
-  SurfaceDistance* distance_;
-  const SurfaceView* view_;
-  std::int64_t column0_;
-  std::int64_t row0_;
-  std::int64_t cells_;
-  double bound_m_;
-  HeightLattice heights_;
-  SplitFlags flags_;
-  std::array<std::array<double, kLine>, kLine> samples_;
-  std::array<std::array<double, kLine>, kLine> snapped_;
-};
-
-/// Walks the split triangles and collects vertices and triangles in that order: a space-filling curve.
-class Extractor {
- public:
-  Extractor(SurfaceDistance& distance, SplitFlags& flags, std::int64_t cells, const HeightLattice& heights,
-            const CornerFlips& flips)
-      : distance_(&distance), flags_(&flags), cells_(cells), heights_(heights), flips_(flips) {
-    vertex_of_rank_.assign(static_cast<std::size_t>(flags.number()), kNone);
-  }
-
-  StartMesh run() {
-    const std::int64_t n = cells_;
-    descend({0, 0}, {n, n}, {n, 0});
-    descend({n, n}, {0, 0}, {0, n});
-    for (auto& side : mesh_.sides) side.resize(static_cast<std::size_t>(n) + 1);
-    for (std::int64_t i = 0; i <= n; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      mesh_.sides[0][k] = find(i, 0);
-      mesh_.sides[1][k] = find(i, n);
-      mesh_.sides[2][k] = find(0, i);
-      mesh_.sides[3][k] = find(n, i);
-    }
-    return std::move(mesh_);
-  }
-
- private:
-  /// Triangle with hypotenuse a-b and apex c, counter-clockwise from above.
-  void descend(GridPoint a, GridPoint b, GridPoint c) {
-    if (std::abs(a.x - b.x) == 1 && std::abs(a.y - b.y) == 1) {
-      emit_half_cell(a, b, c);
-      return;
-    }
-    const GridPoint middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
-    if (!flags_->get(middle.x, middle.y)) {
-      emit(a, b, c);
-      return;
-    }
-    descend(c, a, middle);
-    descend(b, c, middle);
-  }
-
-  /// Half a unit cell. Where the other half is a triangle too, the two get the surface's own diagonal.
-  void emit_half_cell(GridPoint a, GridPoint b, GridPoint c) {
-    const GridPoint d{a.x + b.x - c.x, a.y + b.y - c.y};
-    const bool whole = flags_->get(c.x, c.y) && flags_->get(d.x, d.y);
-    const bool along = (a.x - b.x) == (a.y - b.y);
-    const GridPoint cell{std::min(a.x, b.x), std::min(a.y, b.y)};
-    const bool flipped = (flips_.north_east && cell.x == cells_ - 1 && cell.y == 0) ||
-                         (flips_.south_west && cell.x == 0 && cell.y == cells_ - 1);
-    if (!whole || along || flipped) {
-      emit(a, b, c);
-    } else {
-      // The diagonal runs from c to d; of the two halves take the one on a's side.
-      emit(c, a, d);
-    }
-  }
-
-  void emit(GridPoint a, GridPoint b, GridPoint c) {
-    const std::array<std::int32_t, 3> t{vertex(a), vertex(b), vertex(c)};
-    if (t[0] == kNone || t[1] == kNone || t[2] == kNone) return;
-    mesh_.triangles.push_back(t);
-  }
-
-  /// The vertex at a sample, made on first use; kNone when the sample is missing.
-  std::int32_t vertex(GridPoint p) {
-    std::int32_t& v = vertex_of_rank_[static_cast<std::size_t>(flags_->rank(p.x, p.y))];
-    if (v == kNone) {
-      const double h = distance_->sample(p.x, p.y);
-      if (std::isnan(h)) return kNone;
-      v = static_cast<std::int32_t>(mesh_.vertices.size());
-      mesh_.vertices.push_back({static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y), heights_.snap(h)});
-    }
-    return v;
-  }
-
-  std::int32_t find(std::int64_t x, std::int64_t y) const {
-    return flags_->get(x, y) ? vertex_of_rank_[static_cast<std::size_t>(flags_->rank(x, y))] : kNone;
-  }
-
-  SurfaceDistance* distance_;
-  SplitFlags* flags_;
-  std::int64_t cells_;
-  HeightLattice heights_;
-  CornerFlips flips_;
-  std::vector<std::int32_t> vertex_of_rank_;
-  StartMesh mesh_;
-};
+/// Every second bit of a Morton code, packed.
+std::int64_t every_second_bit(std::int64_t code) {
+  std::int64_t out = 0;
+  for (int bit = 0; (code >> (2 * bit)) != 0; ++bit) out |= (code >> (2 * bit) & 1) << bit;
+  return out;
+}
 
 }  // namespace
 
-StartMesh right_triangle_mesh(SurfaceDistance& distance, const SurfaceView& view, std::int64_t column0,
-                              std::int64_t row0, std::int64_t cells, double bound_m, const HeightLattice& heights,
-                              const CornerFlips& flips) {
-  SplitFlags flags = Splitter(distance, view, column0, row0, cells, bound_m, heights).run();
-  if (distance.interrupted()) return {};
-  return Extractor(distance, flags, cells, heights, flips).run();
+bool may_flip(SurfaceView& view, const LevelGrid& level, std::int64_t column, std::int64_t row) {
+  const double nw = view.sample(column, row);
+  const double ne = view.sample(column + 1, row);
+  const double sw = view.sample(column, row + 1);
+  const double se = view.sample(column + 1, row + 1);
+  // A missing sample makes the difference NaN and the answer no; snap() must not see it.
+  if (std::isnan(nw + ne + sw + se)) return false;
+  const double tested = tested_bound_m(view.surface(), {column, row, column + 1, row + 1}, level.bound_m);
+  return std::abs((level.heights.snapped_m(ne) + level.heights.snapped_m(sw)) / 2 - (nw + se) / 2) <= tested;
+}
+
+RightTriangleMesh::RightTriangleMesh(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0)
+    : view_(&view),
+      level_(level),
+      square_(level.square()),
+      ring_(kRingSquares * square_),
+      column0_(column0 - ring_),
+      row0_(row0 - ring_),
+      flags_(find_splits(view, level, column0, row0)) {
+  vertex_of_rank_.assign(static_cast<std::size_t>(flags_.number()), kNone);
+}
+
+void RightTriangleMesh::begin(std::int64_t origin_x, std::int64_t origin_y) {
+  origin_ = {origin_x, origin_y};
+  met_open_cell_ = false;
+}
+
+StartMesh RightTriangleMesh::finish() {
+  for (const std::int32_t rank : used_ranks_) vertex_of_rank_[static_cast<std::size_t>(rank)] = kNone;
+  used_ranks_.clear();
+  return std::exchange(mesh_, {});
+}
+
+StartMesh RightTriangleMesh::tile() {
+  begin(ring_, ring_);
+  in_band_ = false;
+  const std::int64_t across = level_.cells / square_;
+  for (std::int64_t k = 0; k < across * across; ++k) {
+    const std::int64_t x = ring_ + every_second_bit(k) * square_;
+    const std::int64_t y = ring_ + every_second_bit(k >> 1) * square_;
+    for (const auto& [a, b, c] : halves(x, y)) descend(a, b, c);
+  }
+  return finish();
+}
+
+StartMesh RightTriangleMesh::band(const Side& side, std::array<bool, 2>& open_ends) {
+  const GridPoint start{side.column - column0_, side.row - row0_};
+  begin(start.x, start.y);
+  in_band_ = true;
+  southward_ = side.southward;
+  line_ = southward_ ? start.x : start.y;
+  open_ends = {false, false};
+  const std::int64_t squares = side.cells / square_;
+  for (std::int64_t k = 0; k < squares; ++k) {
+    const bool at_end = k == 0 || k == squares - 1;
+    for (const std::int64_t back : {square_, std::int64_t{0}}) {
+      const std::int64_t x = southward_ ? start.x - back : start.x + k * square_;
+      const std::int64_t y = southward_ ? start.y + k * square_ : start.y - back;
+      for (const auto& [a, b, c] : halves(x, y)) {
+        // Beyond the diagonal of a square at the end lies the other side's band.
+        if (at_end && on_line(a) + on_line(b) + on_line(c) < 2) continue;
+        met_open_cell_ = false;
+        descend(a, b, c);
+        if (met_open_cell_) open_ends[k == 0 ? 0 : 1] = true;
+      }
+    }
+  }
+  return finish();
+}
+
+/// The two halves of a square, each hypotenuse first, apex last, counter-clockwise from above.
+std::array<std::array<RightTriangleMesh::GridPoint, 3>, 2> RightTriangleMesh::halves(std::int64_t x,
+                                                                                     std::int64_t y) const {
+  const GridPoint nw{x, y};
+  const GridPoint ne{x + square_, y};
+  const GridPoint sw{x, y + square_};
+  const GridPoint se{x + square_, y + square_};
+  const bool even = ((x / square_ + y / square_) & 1) == 0;
+  if (even) return {{{nw, se, ne}, {se, nw, sw}}};
+  return {{{sw, ne, nw}, {ne, sw, se}}};
+}
+
+/// Triangle with hypotenuse a-b and apex c, counter-clockwise from above.
+void RightTriangleMesh::descend(GridPoint a, GridPoint b, GridPoint c) {
+  if (!touches(a, b, c)) return;
+  if (std::abs(a.x - b.x) == 1 && std::abs(a.y - b.y) == 1) {
+    emit_half_cell(a, b, c);
+    return;
+  }
+  const GridPoint middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
+  if (!flags_.get(middle.x, middle.y)) {
+    emit(a, b, c);
+    return;
+  }
+  descend(c, a, middle);
+  descend(b, c, middle);
+}
+
+/// What the cells north-east and south-west of a tile's corner, whose diagonals do not meet the corner, become.
+RightTriangleMesh::CornerCell RightTriangleMesh::corner_cell(GridPoint cell) {
+  const std::int64_t last = level_.cells - 1;
+  const std::int64_t x = (cell.x - ring_) & last;
+  const std::int64_t y = (cell.y - ring_) & last;
+  if (!(x == 0 && y == last) && !(x == last && y == 0)) return CornerCell::kOrdinary;
+  return may_flip(*view_, level_, column0_ + cell.x, row0_ + cell.y) ? CornerCell::kFlipped : CornerCell::kOpen;
+}
+
+/// Half a unit cell. Where the other half is a triangle too, the two get the surface's own diagonal.
+void RightTriangleMesh::emit_half_cell(GridPoint a, GridPoint b, GridPoint c) {
+  const GridPoint d{a.x + b.x - c.x, a.y + b.y - c.y};
+  const bool whole = flags_.get(c.x, c.y) && flags_.get(d.x, d.y);
+  const bool along = (a.x - b.x) == (a.y - b.y);
+  if (!whole || along) {
+    emit(a, b, c);
+    return;
+  }
+  const CornerCell corner = corner_cell({std::min(a.x, b.x), std::min(a.y, b.y)});
+  if (corner == CornerCell::kFlipped) {
+    emit(a, b, c);
+  } else if (corner == CornerCell::kOpen && in_band_) {
+    met_open_cell_ = true;
+  } else {
+    // The diagonal runs from c to d; of the two halves take the one on a's side.
+    emit(c, a, d);
+  }
+}
+
+void RightTriangleMesh::emit(GridPoint a, GridPoint b, GridPoint c) {
+  const std::array<std::int32_t, 3> t{vertex(a), vertex(b), vertex(c)};
+  if (t[0] == kNone || t[1] == kNone || t[2] == kNone) return;
+  mesh_.triangles.push_back(t);
+}
+
+/// The vertex at a sample, made on first use; kNone when the sample is missing.
+std::int32_t RightTriangleMesh::vertex(GridPoint p) {
+  const std::int32_t rank = flags_.rank(p.x, p.y);
+  std::int32_t& v = vertex_of_rank_[static_cast<std::size_t>(rank)];
+  if (v == kNone) {
+    const double h = view_->sample(column0_ + p.x, row0_ + p.y);
+    if (std::isnan(h)) return kNone;
+    v = static_cast<std::int32_t>(mesh_.vertices.size());
+    used_ranks_.push_back(rank);
+    mesh_.vertices.push_back({static_cast<std::int32_t>(p.x - origin_.x), static_cast<std::int32_t>(p.y - origin_.y),
+                              level_.heights.snap(h)});
+  }
+  return v;
 }
 
 }  // namespace tintree::simplify

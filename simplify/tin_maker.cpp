@@ -24,45 +24,51 @@ Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
   const std::int64_t cells = layout_.cells_across(id.level);
   const std::int64_t column0 = std::int64_t{id.x} * cells;
   const std::int64_t row0 = std::int64_t{id.y} * cells;
-  const HeightLattice heights{layout_.z_step_m[static_cast<std::size_t>(id.level)]};
-  const double bound = layout_.bound_m(id.level);
+  const LevelGrid level{cells, layout_.bound_m(id.level), {layout_.z_step_m[static_cast<std::size_t>(id.level)]}};
   const auto range = view_.surface().height_range_m(layout_.cells(id));
   if (range[0] > range[1]) return codec::TileMesh{};
-  const double tested = tested_bound_m(view_.surface(), layout_.cells(id), bound);
 
-  SurfaceDistance distance(view_, column0, row0);
-  const std::int64_t last = cells - 1;
-  const CornerFlips flips{may_flip(view_, column0 + last, row0, bound, heights),
-                          may_flip(view_, column0, row0 + last, bound, heights)};
-  StartMesh start = right_triangle_mesh(distance, view_, column0, row0, cells, tested, heights, flips);
+  RightTriangleMesh start(view_, level, column0, row0);
   if (view_.interrupted()) return tl::unexpected(*view_.error());
-  for (LatticeVertex& v : start.vertices) {
+  StartMesh tile = start.tile();
+  for (LatticeVertex& v : tile.vertices) {
     v.x <<= kSubBits;
     v.y <<= kSubBits;
   }
-  mesh_.build(std::move(start.vertices), start.triangles);
-  settle_side(start, 0, {column0, row0, cells, false}, bound, heights);
-  settle_side(start, 1, {column0, row0 + cells, cells, false}, bound, heights);
-  settle_side(start, 2, {column0, row0, cells, true}, bound, heights);
-  settle_side(start, 3, {column0 + cells, row0, cells, true}, bound, heights);
+  mesh_.build(std::move(tile.vertices), tile.triangles);
+  for (const bool southward : {false, true}) {
+    for (const std::int64_t offset : {std::int64_t{0}, cells}) {
+      settle_side(start, southward ? Side{offset, 0, cells, true} : Side{0, offset, cells, false}, level, id);
+    }
+  }
   classify(cells << kSubBits);
 
   CollapseSpec spec;
-  spec.bound_m = tested;
-  spec.z_step_m = heights.step_m;
+  spec.bound_m = tested_bound_m(view_.surface(), layout_.cells(id), level.bound_m);
+  spec.z_step_m = level.heights.step_m;
   spec.sub_bits = kSubBits;
   const double scale = static_cast<double>(cells) / layout_.tile_cells;
   spec.area_unit = scale * scale;
+  SurfaceDistance distance(view_, column0, row0);
   collapse_.run(mesh_, distance, spec);
   if (view_.error()) return tl::unexpected(*view_.error());
   return take_mesh(id);
 }
 
-/// Repeats the side's settled collapses in this tile's half of the ribbon.
-void TinMaker::settle_side(const StartMesh& start, std::size_t which, const Side& side, double bound_m,
-                           const HeightLattice& heights) {
-  for (const RibbonStep& step : ribbon_.settle(view_, side, bound_m, heights)) {
-    const std::int32_t gone = start.sides[which][at(step.index)];
+/// Repeats a side's settled collapses in this tile's half of the ribbon. `side` is relative to the tile.
+void TinMaker::settle_side(RightTriangleMesh& start, const Side& side, const LevelGrid& level,
+                           const codec::TileId& id) {
+  std::vector<std::int32_t> vertex_at(static_cast<std::size_t>(side.cells) + 1, kNone);
+  for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) {
+    const LatticeVertex& p = mesh_.vertices[at(v)];
+    std::int32_t& slot = vertex_at[at(side.along(p) >> kSubBits)];
+    if (mesh_.alive(v) && side.across(p) == (side.southward ? side.column : side.row) << kSubBits && slot == kNone)
+      slot = v;
+  }
+  const Side in_dem{side.column + std::int64_t{id.x} * side.cells, side.row + std::int64_t{id.y} * side.cells,
+                    side.cells, side.southward};
+  for (const RibbonStep& step : ribbon_.settle(view_, start, in_dem, level)) {
+    const std::int32_t gone = vertex_at[at(step.index)];
     if (gone == kNone || !mesh_.alive(gone)) continue;
     // The neighbour along the side is one end of the fan of triangles on this side of the line.
     const std::int32_t first = mesh_.outgoing(gone);
@@ -71,9 +77,8 @@ void TinMaker::settle_side(const StartMesh& start, std::size_t which, const Side
       const std::int32_t kept = h == first ? mesh_.target(h) : mesh_.origin(h);
       const LatticeVertex& from = mesh_.vertices[at(gone)];
       LatticeVertex& to = mesh_.vertices[at(kept)];
-      const std::int32_t ahead = side.southward ? to.y - from.y : to.x - from.x;
-      const bool same_line = side.southward ? to.x == from.x : to.y == from.y;
-      if (!same_line || (ahead > 0) != (step.towards > 0)) continue;
+      const bool ahead = side.along(to) > side.along(from);
+      if (side.across(to) != side.across(from) || ahead != (step.towards > 0)) continue;
       to.z = step.z;
       mesh_.collapse(h, kept);
       break;

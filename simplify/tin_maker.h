@@ -18,8 +18,7 @@ class TinMaker final : public TileMaker {
   Expected<codec::TileMesh> make(const codec::TileId& id) override;
 
  private:
-  void settle_side(const StartMesh& start, std::size_t which, const Side& side, double bound_m,
-                   const HeightLattice& heights);
+  void settle_side(RightTriangleMesh& start, const Side& side, const LevelGrid& level, const codec::TileId& id);
   void classify(std::int64_t cells);
   Expected<codec::TileMesh> take_mesh(const codec::TileId& id) const;
 

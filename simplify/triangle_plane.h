@@ -4,7 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+
+#include "simplify/sample_rect.h"
 
 namespace tintree::simplify {
 
@@ -17,21 +18,31 @@ struct Point {
 
 /// Coordinates this near to a grid line are on it.
 inline constexpr double kOnGridLine = 1e-9;
+/// Corners lie on multiples of 1 / kCornerParts samples.
+inline constexpr int kCornerParts = 4;
 
-/// A triangle's height and the hub's weight in it as affine functions, and its outline as half-planes.
+/// An axis-parallel rectangle in samples, sides included.
+struct Extent {
+  double x0, y0, x1, y1;
+};
+
+/// A triangle's height and the hub's weight in it as linear functions, and its sides as half-planes.
 struct TrianglePlane {
   double z0, zx, zy;  // height at (0, 0), its slopes
   double w0, wx, wy;  // weight at (0, 0), its slopes
   double area;        // in cells
   std::array<Point, 3> corner;
-  // The triangle's part of row y runs from max(left[k] + y left_slope[k]) to min(right[k] + y right_slope[k]).
-  std::array<double, 2> left{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  std::array<double, 2> left_slope{};
-  std::array<double, 2> right{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  std::array<double, 2> right_slope{};
+  /// Twice the area against each side in units of 1 / kCornerParts^2 cells, exact: not negative inside. The first
+  /// two sides meet at the hub.
+  struct Side {
+    double start, x, y;
+    double at(double px, double py) const { return start + x * px + y * py; }
+  };
+  std::array<Side, 3> sides;
 
   TrianglePlane(const Point& hub, const Point& b, const Point& c) : corner{hub, b, c} {
-    const double scale = 1 / ((hub.x - c.x) * (b.y - c.y) - (b.x - c.x) * (hub.y - c.y));
+    const double doubled = (hub.x - c.x) * (b.y - c.y) - (b.x - c.x) * (hub.y - c.y);
+    const double scale = 1 / doubled;
     wx = (b.y - c.y) * scale;
     wy = (c.x - b.x) * scale;
     w0 = -wx * c.x - wy * c.y;
@@ -41,52 +52,54 @@ struct TrianglePlane {
     zx = wx * (hub.z - c.z) + ux * (b.z - c.z);
     zy = wy * (hub.z - c.z) + uy * (b.z - c.z);
     z0 = c.z + w0 * (hub.z - c.z) + u0 * (b.z - c.z);
-    const bool mirrored = scale < 0;
-    area = std::abs(0.5 / scale);
-    std::size_t lefts = 0;
-    std::size_t rights = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Point& p = corner[i];
-      const Point& q = corner[i == 2 ? 0 : i + 1];
-      if (p.y == q.y) continue;
-      const double slope = (q.x - p.x) / (q.y - p.y);
-      const double start = p.x - p.y * slope;
-      if ((q.y < p.y) != mirrored) {
-        left[lefts] = start;
-        left_slope[lefts++] = slope;
-      } else {
-        right[rights] = start;
-        right_slope[rights++] = slope;
-      }
-    }
+    area = std::abs(0.5 * doubled);
+    const double sign = doubled < 0 ? -1.0 * kCornerParts * kCornerParts : 1.0 * kCornerParts * kCornerParts;
+    sides[0] = side_along(c, hub, sign);
+    sides[1] = side_along(hub, b, sign);
+    sides[2] = side_along(b, c, sign);
   }
 
   double height(double x, double y) const { return z0 + zx * x + zy * y; }
   double weight(double x, double y) const { return w0 + wx * x + wy * y; }
-  double min_x() const { return std::min({corner[0].x, corner[1].x, corner[2].x}); }
-  double max_x() const { return std::max({corner[0].x, corner[1].x, corner[2].x}); }
-  double min_y() const { return std::min({corner[0].y, corner[1].y, corner[2].y}); }
-  double max_y() const { return std::max({corner[0].y, corner[1].y, corner[2].y}); }
-
-  std::int64_t first_row() const { return static_cast<std::int64_t>(std::ceil(min_y() - kOnGridLine)); }
-  std::int64_t last_row() const { return static_cast<std::int64_t>(std::floor(max_y() + kOnGridLine)); }
-  /// Whole coordinates of row y, one of the triangle's, inside it.
-  std::int64_t first_in(double y) const {
-    return static_cast<std::int64_t>(
-        std::ceil(std::max(left[0] + y * left_slope[0], left[1] + y * left_slope[1]) - kOnGridLine));
+  bool contains(double x, double y) const {
+    return sides[0].at(x, y) >= 0 && sides[1].at(x, y) >= 0 && sides[2].at(x, y) >= 0;
   }
-  std::int64_t last_in(double y) const {
-    return static_cast<std::int64_t>(
-        std::floor(std::min(right[0] + y * right_slope[0], right[1] + y * right_slope[1]) + kOnGridLine));
+  Extent extent() const {
+    const auto [x0, x1] = std::minmax({corner[0].x, corner[1].x, corner[2].x});
+    const auto [y0, y1] = std::minmax({corner[0].y, corner[1].y, corner[2].y});
+    return {x0, y0, x1, y1};
+  }
+  /// Whether the rectangle lies wholly outside one of the triangle's sides.
+  bool misses(const Extent& r) const {
+    return std::ranges::any_of(sides,
+                               [&](const Side& s) { return s.at(s.x > 0 ? r.x1 : r.x0, s.y > 0 ? r.y1 : r.y0) < 0; });
   }
 
-  /// Whether the square lies wholly outside one of the triangle's edges.
-  bool misses(double x0, double y0, double x1, double y1) const {
-    for (std::size_t k = 0; k < 2; ++k) {
-      if (x1 < left[k] + left_slope[k] * (left_slope[k] > 0 ? y0 : y1)) return true;
-      if (x0 > right[k] + right_slope[k] * (right_slope[k] > 0 ? y1 : y0)) return true;
+  /// The triangle over the rectangle of samples from (x, y), at most kMaxRectSamples along each side.
+  RectTriangle over(std::int64_t x, std::int64_t y, double base_m) const {
+    const auto px = static_cast<double>(x);
+    const auto py = static_cast<double>(y);
+    RectTriangle out;
+    out.height = {height(px, py) - base_m, zx, zy};
+    out.weight = {weight(px, py), wx, wy};
+    for (std::size_t k = 0; k < 3; ++k) {
+      // So far inside or outside, no sample of the rectangle lies on the other side.
+      const double start = std::clamp(sides[k].at(px, py), -kFarSide, kFarSide);
+      out.sides[k] = {static_cast<std::int32_t>(start), static_cast<std::int32_t>(sides[k].x),
+                      static_cast<std::int32_t>(sides[k].y)};
     }
-    return y1 < min_y() || y0 > max_y();
+    return out;
+  }
+
+  static constexpr int kMaxRectSamples = 32;
+
+ private:
+  static constexpr double kFarSide = 1 << 30;
+
+  static Side side_along(const Point& p, const Point& q, double sign) {
+    const double x = (p.y - q.y) * sign;
+    const double y = (q.x - p.x) * sign;
+    return {-(x * p.x + y * p.y), x, y};
   }
 };
 

@@ -1,0 +1,303 @@
+#include "simplify/split_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "simplify/surface_distance.h"
+
+namespace tintree::simplify {
+namespace {
+
+/// Points are classified by their coordinates in the window: with u the largest power of two that divides both,
+/// (x / u, y / u) both odd is the centre of a square of side 2u, one odd the middle of such a square's side. Each
+/// is the middle of the hypotenuse of two triangles, and splitting there needs the larger triangles split first.
+class SplitSearch {
+ public:
+  SplitSearch(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0)
+      : view_(&view),
+        level_(level),
+        square_(level.square()),
+        ring_(kRingSquares * square_),
+        span_(level.cells + 2 * ring_),
+        column0_(column0 - ring_),
+        row0_(row0 - ring_),
+        distance_(view, column0_, row0_),
+        flags_(span_) {}
+
+  SplitFlags run() {
+    for (std::int64_t y = 0; y <= span_; y += square_) {
+      for (std::int64_t x = 0; x <= span_; x += square_) flags_.set(x, y);
+    }
+    for (std::int64_t y = 0; y < span_; y += square_) {
+      for (std::int64_t x = 0; x < span_ && !view_->interrupted(); x += square_) {
+        if (!holds_cells(x, y)) continue;
+        bound_m_ = tested_bound_m(view_->surface(), rect(x, y, square_, square_), level_.bound_m);
+        search(x, y, square_);
+      }
+    }
+    for (const std::int64_t line : {ring_, ring_ + level_.cells}) {
+      for (std::int64_t i = 0; i < span_; i += square_) {
+        search_line(i, line, false);
+        search_line(i, line, true);
+      }
+    }
+    return std::move(flags_);
+  }
+
+ private:
+  static constexpr std::int64_t kBase = kPatchCells[0];
+  static constexpr double kUnknown = std::numeric_limits<double>::infinity();
+
+  codec::CellRect rect(std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height) const {
+    return {column0_ + x, row0_ + y, column0_ + x + width, row0_ + y + height};
+  }
+
+  /// Whether any cell of the DEM lies in the square.
+  bool holds_cells(std::int64_t x, std::int64_t y) const {
+    const cache::HeightBlocks& blocks = view_->surface().blocks();
+    return column0_ + x + square_ > 0 && row0_ + y + square_ > 0 && column0_ + x < blocks.columns() - 1 &&
+           row0_ + y < blocks.rows() - 1;
+  }
+
+  Point corner(std::int64_t x, std::int64_t y) {
+    const double h = distance_.surface().sample(x, y);
+    return {static_cast<double>(x), static_cast<double>(y), std::isnan(h) ? 0 : level_.heights.snapped_m(h)};
+  }
+
+  /// Sets the flag of a point and of all whose triangles have to be split before its own exist.
+  void force(std::int64_t x, std::int64_t y) {
+    if (x < 0 || y < 0 || x > span_ || y > span_ || !flags_.set(x, y)) return;
+    const std::int64_t unit = (x | y) & -(x | y);
+    const bool odd_x = (x & unit) != 0;
+    const bool odd_y = (y & unit) != 0;
+    if (odd_x && odd_y) {
+      // The square's corners of mixed parity are the middles of the larger square's sides.
+      const std::int64_t side = 2 * unit;
+      const std::int64_t west = x - unit;
+      const std::int64_t north = y - unit;
+      const bool even = ((west / side + north / side) & 1) == 0;
+      force(even ? west + side : west, north);
+      force(even ? west : west + side, north + side);
+    } else if (odd_x) {
+      force(x, y - unit);
+      force(x, y + unit);
+    } else {
+      force(x - unit, y);
+      force(x + unit, y);
+    }
+  }
+
+  /// Both halves of a unit cell become triangles of their own.
+  void force_cell(std::int64_t x, std::int64_t y) {
+    const bool even = ((x + y) & 1) == 0;
+    force(even ? x + 1 : x, y);
+    force(even ? x : x + 1, y + 1);
+  }
+
+  /// Bounds of the errors of a square's two halves: the one with the north side, the one with the south side.
+  struct Halves {
+    double north = kUnknown;
+    double south = kUnknown;
+  };
+
+  /// A bound for all triangles inside the square that the residual pyramid gives: their corners, snapped, lie in
+  /// the patch's slab, so the triangles do too. Nothing where there is no surface; infinite when not known.
+  double slab_error(std::int64_t x, std::int64_t y, std::int64_t side) const {
+    const auto size = std::ranges::find(kPatchCells, side) - kPatchCells.begin();
+    if (size == static_cast<std::ptrdiff_t>(kPatchCells.size())) return kUnknown;
+    const cache::HeightBlocks& blocks = view_->surface().blocks();
+    const std::int64_t column = column0_ + x;
+    const std::int64_t row = row0_ + y;
+    if (column < 0 || row < 0 || column >= blocks.columns() - 1 || row >= blocks.rows() - 1) return 0;
+    const PlanePatch& patch =
+        view_->surface()
+            .patches(column >> 8, row >> 8)
+            .at(static_cast<int>(size), static_cast<int>(column & 255), static_cast<int>(row & 255));
+    if (patch.empty()) return 0;
+    const double error = static_cast<double>(patch.high) - static_cast<double>(patch.low) + level_.heights.step_m / 2;
+    return std::isnan(error) ? kUnknown : error;
+  }
+
+  /// Tests all triangles inside a square, small ones first.
+  Halves search(std::int64_t x0, std::int64_t y0, std::int64_t side) {
+    const double slab = slab_error(x0, y0, side);
+    if (slab <= bound_m_) return {slab, slab};
+    if (side == kBase && load_square(x0, y0)) return search_loaded(x0, y0);
+    if (side == 1) return {};
+    const std::int64_t half = side / 2;
+    const Halves nw = search(x0, y0, half);
+    const Halves ne = search(x0 + half, y0, half);
+    const Halves sw = search(x0, y0 + half, half);
+    const Halves se = search(x0 + half, y0 + half, half);
+    return test_square(x0, y0, side, {nw, ne, sw, se}, [this](std::int64_t x, std::int64_t y) { return corner(x, y); });
+  }
+
+  /// Copies a square's samples; false when one is missing.
+  bool load_square(std::int64_t x0, std::int64_t y0) {
+    const std::int64_t column = column0_ + x0;
+    const std::int64_t row = row0_ + y0;
+    const cache::HeightBlocks& blocks = view_->surface().blocks();
+    if (column < 0 || row < 0 || column + kBase >= blocks.columns() || row + kBase >= blocks.rows()) return false;
+    const cache::HeightBlock& block = view_->block_of(column, row);
+    double sum = 0;
+    for (std::size_t j = 0; j < kLine; ++j) {
+      const float* line = block.row(static_cast<int>(row & 255) + static_cast<int>(j)) + (column & 255);
+      for (std::size_t i = 0; i < kLine; ++i) {
+        const double h = static_cast<double>(line[i]) + block.base_m;
+        samples_[j][i] = h;
+        snapped_[j][i] = level_.heights.snapped_m(h);
+        sum += h;
+      }
+    }
+    return !std::isnan(sum);
+  }
+
+  /// search() on the copied samples: from unit cells upward, the error of a triangle is at most that of its two
+  /// halves and as much as its plane lies off their common corner. Only where that is not enough are the samples
+  /// under it looked at.
+  Halves search_loaded(std::int64_t x0, std::int64_t y0) {
+    for (std::size_t j = 0; j < kBase; ++j) {
+      for (std::size_t i = 0; i < kBase; ++i) {
+        const double nw = std::abs(snapped_[j][i] - samples_[j][i]);
+        const double ne = std::abs(snapped_[j][i + 1] - samples_[j][i + 1]);
+        const double sw = std::abs(snapped_[j + 1][i] - samples_[j + 1][i]);
+        const double se = std::abs(snapped_[j + 1][i + 1] - samples_[j + 1][i + 1]);
+        if (((i + j) & 1) == 0) {
+          halves_[j][i] = {std::max({nw, ne, se}), std::max({nw, sw, se})};
+          continue;
+        }
+        // Cut against the surface's own diagonal.
+        const double off =
+            std::abs((snapped_[j][i + 1] + snapped_[j + 1][i]) / 2 - (samples_[j][i] + samples_[j + 1][i + 1]) / 2);
+        halves_[j][i] = {std::max({nw, ne, sw, off}), std::max({ne, sw, se, off})};
+        if (off > bound_m_) force_cell(x0 + static_cast<std::int64_t>(i), y0 + static_cast<std::int64_t>(j));
+      }
+    }
+    const auto loaded = [&](std::int64_t x, std::int64_t y) {
+      return Point{static_cast<double>(x), static_cast<double>(y),
+                   snapped_[static_cast<std::size_t>(y - y0)][static_cast<std::size_t>(x - x0)]};
+    };
+    for (std::size_t side = 2; side <= kBase; side *= 2) {
+      const std::size_t half = side / 2;
+      for (std::size_t j = 0; j < kBase; j += side) {
+        for (std::size_t i = 0; i < kBase; i += side) {
+          halves_[j][i] = test_square(
+              x0 + static_cast<std::int64_t>(i), y0 + static_cast<std::int64_t>(j), static_cast<std::int64_t>(side),
+              {halves_[j][i], halves_[j][i + half], halves_[j + half][i], halves_[j + half][i + half]}, loaded);
+        }
+      }
+    }
+    return halves_[0][0];
+  }
+
+  /// The middle (x, y) of a triangle's longest side a-b, with what is known of the triangle's two halves: flags it
+  /// where the triangle does not fit. Returns a bound of the triangle's error.
+  double test(const Point& a, const Point& b, const Point& c, double middle_m, double halves_error, std::int64_t x,
+              std::int64_t y) {
+    if (flags_.get(x, y)) return kUnknown;
+    const double error = halves_error + std::abs((a.z + b.z) / 2 - middle_m);
+    if (error <= bound_m_) return error;
+    if (distance_.fit_triangle(a, b, c, bound_m_) != SurfaceDistance::Fit::kBeyond) return bound_m_;
+    force(x, y);
+    return kUnknown;
+  }
+
+  /// The triangles of one square: four over its sides, and its two halves. `parts` are its quarters, north-west,
+  /// north-east, south-west, south-east.
+  template <typename Corner>
+  Halves test_square(std::int64_t x, std::int64_t y, std::int64_t side, const std::array<Halves, 4>& parts,
+                     const Corner& corner_at) {
+    const std::int64_t half = side / 2;
+    const std::int64_t east = x + side;
+    const std::int64_t south = y + side;
+    const bool open_centre = !flags_.get(x + half, y + half);
+    if (!open_centre && flags_.get(x + half, y) && flags_.get(x + half, south) && flags_.get(x, y + half) &&
+        flags_.get(east, y + half)) {
+      return {};
+    }
+    const auto& [nw_part, ne_part, sw_part, se_part] = parts;
+    const Point nw = corner_at(x, y);
+    const Point ne = corner_at(east, y);
+    const Point sw = corner_at(x, south);
+    const Point se = corner_at(east, south);
+    const Point centre = corner_at(x + half, y + half);
+    const double over_north =
+        test(nw, ne, centre, corner_at(x + half, y).z, std::max(nw_part.north, ne_part.north), x + half, y);
+    const double over_south =
+        test(sw, se, centre, corner_at(x + half, south).z, std::max(sw_part.south, se_part.south), x + half, south);
+    const double over_west =
+        test(nw, sw, centre, corner_at(x, y + half).z, std::max(nw_part.south, sw_part.north), x, y + half);
+    const double over_east =
+        test(ne, se, centre, corner_at(east, y + half).z, std::max(ne_part.south, se_part.north), east, y + half);
+    const bool even = ((x / side + y / side) & 1) == 0;
+    const std::int64_t mx = x + half;
+    const std::int64_t my = y + half;
+    if (even) {
+      const double north = test(nw, se, ne, centre.z, std::max(over_north, over_east), mx, my);
+      return {north, test(nw, se, sw, centre.z, std::max(over_south, over_west), mx, my)};
+    }
+    const double north = test(ne, sw, nw, centre.z, std::max(over_north, over_west), mx, my);
+    return {north, test(ne, sw, se, centre.z, std::max(over_south, over_east), mx, my)};
+  }
+
+  /// Tests the edges along one square's length of a line that tiles share, against half the bound.
+  void search_line(std::int64_t start, std::int64_t line, bool southward) {
+    const std::int64_t n = square_;
+    const codec::CellRect cells = southward ? rect(line, start, 0, n) : rect(start, line, n, 0);
+    const double bound = tested_bound_m(view_->surface(), cells, level_.bound_m) / 2;
+    line_.resize(static_cast<std::size_t>(n) + 1);
+    for (std::int64_t i = 0; i <= n; ++i) {
+      line_[static_cast<std::size_t>(i)] =
+          southward ? distance_.surface().sample(line, start + i) : distance_.surface().sample(start + i, line);
+    }
+    for (std::int64_t side = 2; side <= n; side *= 2) {
+      for (std::int64_t i = 0; i < n; i += side) {
+        const std::int64_t middle = start + i + side / 2;
+        if (line_fits(i, side, bound)) continue;
+        if (southward)
+          force(line, middle);
+        else
+          force(middle, line);
+      }
+    }
+  }
+
+  /// Missing samples are the triangles' concern.
+  bool line_fits(std::int64_t first, std::int64_t n, double bound_m) const {
+    const double* h = &line_[static_cast<std::size_t>(first)];
+    if (std::isnan(h[0] + h[n])) return true;
+    const double from = level_.heights.snapped_m(h[0]);
+    const double rise = (level_.heights.snapped_m(h[n]) - from) / static_cast<double>(n);
+    for (std::int64_t i = 1; i < n; ++i) {
+      if (std::abs(from + rise * static_cast<double>(i) - h[i]) > bound_m) return false;
+    }
+    return true;
+  }
+
+  static constexpr std::size_t kLine = kBase + 1;
+
+  SurfaceView* view_;
+  LevelGrid level_;
+  std::int64_t square_;
+  std::int64_t ring_;
+  std::int64_t span_;
+  std::int64_t column0_;
+  std::int64_t row0_;
+  SurfaceDistance distance_;
+  SplitFlags flags_;
+  double bound_m_ = 0;  // of the square that is being searched
+  std::array<std::array<double, kLine>, kLine> samples_;
+  std::array<std::array<double, kLine>, kLine> snapped_;
+  std::array<std::array<Halves, kBase>, kBase> halves_;  // of the squares with this north-west corner
+  std::vector<double> line_;
+};
+
+}  // namespace
+
+SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0) {
+  return SplitSearch(view, level, column0, row0).run();
+}
+
+}  // namespace tintree::simplify
