@@ -49,6 +49,8 @@ class SplitSearch {
  private:
   static constexpr std::int64_t kBase = kPatchCells[0];
   static constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  /// The error where there is no surface.
+  static constexpr double kNothing = -kUnknown;
 
   codec::CellRect rect(std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height) const {
     return {column0_ + x, row0_ + y, column0_ + x + width, row0_ + y + height};
@@ -96,6 +98,9 @@ class SplitSearch {
     force(even ? x : x + 1, y + 1);
   }
 
+  /// The error of two parts together. Where one is missing and the other is not, its corners are not all there.
+  static double both(double a, double b) { return (a == kNothing) == (b == kNothing) ? std::max(a, b) : kUnknown; }
+
   /// Bounds of the errors of a square's two halves: the one with the north side, the one with the south side.
   struct Halves {
     double north = kUnknown;
@@ -103,19 +108,19 @@ class SplitSearch {
   };
 
   /// A bound for all triangles inside the square that the residual pyramid gives: their corners, snapped, lie in
-  /// the patch's slab, so the triangles do too. Nothing where there is no surface; infinite when not known.
+  /// the patch's slab, so the triangles do too.
   double slab_error(std::int64_t x, std::int64_t y, std::int64_t side) const {
-    const auto size = std::ranges::find(kPatchCells, side) - kPatchCells.begin();
-    if (size == static_cast<std::ptrdiff_t>(kPatchCells.size())) return kUnknown;
     const cache::HeightBlocks& blocks = view_->surface().blocks();
     const std::int64_t column = column0_ + x;
     const std::int64_t row = row0_ + y;
-    if (column < 0 || row < 0 || column >= blocks.columns() - 1 || row >= blocks.rows() - 1) return 0;
+    if (column < 0 || row < 0 || column >= blocks.columns() - 1 || row >= blocks.rows() - 1) return kNothing;
+    const auto size = std::ranges::find(kPatchCells, side) - kPatchCells.begin();
+    if (size == static_cast<std::ptrdiff_t>(kPatchCells.size())) return kUnknown;
     const PlanePatch& patch =
         view_->surface()
             .patches(column >> 8, row >> 8)
             .at(static_cast<int>(size), static_cast<int>(column & 255), static_cast<int>(row & 255));
-    if (patch.empty()) return 0;
+    if (patch.empty()) return kNothing;
     const double error = static_cast<double>(patch.high) - static_cast<double>(patch.low) + level_.heights.step_m / 2;
     return std::isnan(error) ? kUnknown : error;
   }
@@ -197,9 +202,17 @@ class SplitSearch {
   double test(const Point& a, const Point& b, const Point& c, double middle_m, double halves_error, std::int64_t x,
               std::int64_t y) {
     if (flags_.get(x, y)) return kUnknown;
+    if (halves_error == kNothing) return kNothing;
     const double error = halves_error + std::abs((a.z + b.z) / 2 - middle_m);
     if (error <= bound_m_) return error;
-    if (distance_.fit_triangle(a, b, c, bound_m_) != SurfaceDistance::Fit::kBeyond) return bound_m_;
+    switch (distance_.fit_triangle(a, b, c, bound_m_)) {
+      case SurfaceDistance::Fit::kWithin:
+        return bound_m_;
+      case SurfaceDistance::Fit::kMissing:
+        return kNothing;
+      case SurfaceDistance::Fit::kBeyond:
+        break;
+    }
     force(x, y);
     return kUnknown;
   }
@@ -224,22 +237,22 @@ class SplitSearch {
     const Point se = corner_at(east, south);
     const Point centre = corner_at(x + half, y + half);
     const double over_north =
-        test(nw, ne, centre, corner_at(x + half, y).z, std::max(nw_part.north, ne_part.north), x + half, y);
+        test(nw, ne, centre, corner_at(x + half, y).z, both(nw_part.north, ne_part.north), x + half, y);
     const double over_south =
-        test(sw, se, centre, corner_at(x + half, south).z, std::max(sw_part.south, se_part.south), x + half, south);
+        test(sw, se, centre, corner_at(x + half, south).z, both(sw_part.south, se_part.south), x + half, south);
     const double over_west =
-        test(nw, sw, centre, corner_at(x, y + half).z, std::max(nw_part.south, sw_part.north), x, y + half);
+        test(nw, sw, centre, corner_at(x, y + half).z, both(nw_part.south, sw_part.north), x, y + half);
     const double over_east =
-        test(ne, se, centre, corner_at(east, y + half).z, std::max(ne_part.south, se_part.north), east, y + half);
+        test(ne, se, centre, corner_at(east, y + half).z, both(ne_part.south, se_part.north), east, y + half);
     const bool even = ((x / side + y / side) & 1) == 0;
     const std::int64_t mx = x + half;
     const std::int64_t my = y + half;
     if (even) {
-      const double north = test(nw, se, ne, centre.z, std::max(over_north, over_east), mx, my);
-      return {north, test(nw, se, sw, centre.z, std::max(over_south, over_west), mx, my)};
+      const double north = test(nw, se, ne, centre.z, both(over_north, over_east), mx, my);
+      return {north, test(nw, se, sw, centre.z, both(over_south, over_west), mx, my)};
     }
-    const double north = test(ne, sw, nw, centre.z, std::max(over_north, over_west), mx, my);
-    return {north, test(ne, sw, se, centre.z, std::max(over_south, over_east), mx, my)};
+    const double north = test(ne, sw, nw, centre.z, both(over_north, over_west), mx, my);
+    return {north, test(ne, sw, se, centre.z, both(over_south, over_east), mx, my)};
   }
 
   /// Tests the edges along one square's length of a line that tiles share, against half the bound.
