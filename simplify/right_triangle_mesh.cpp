@@ -140,7 +140,8 @@ void RightTriangleMesh::emit_half_cell(GridPoint a, GridPoint b, GridPoint c) {
   if (corner == CornerCell::kFlipped) {
     emit(a, b, c);
   } else if (corner == CornerCell::kOpen && in_band_) {
-    met_open_cell_ = true;
+    // Where the cell has no surface nothing is left uncut.
+    met_open_cell_ = met_open_cell_ || (exists(c) && exists(d) && (exists(a) || exists(b)));
   } else {
     // The diagonal runs from c to d; of the two halves take the one on a's side.
     emit(c, a, d);
@@ -153,12 +154,14 @@ void RightTriangleMesh::emit(GridPoint a, GridPoint b, GridPoint c) {
   mesh_.triangles.push_back(t);
 }
 
+double RightTriangleMesh::height_m(GridPoint p) const { return view_->sample(column0_ + p.x, row0_ + p.y); }
+
 /// The vertex at a sample, made on first use; kNone when the sample is missing.
 std::int32_t RightTriangleMesh::vertex(GridPoint p) {
   const std::int32_t rank = flags_.rank(p.x, p.y);
   std::int32_t& v = vertex_of_rank_[static_cast<std::size_t>(rank)];
   if (v == kNone) {
-    const double h = view_->sample(column0_ + p.x, row0_ + p.y);
+    const double h = height_m(p);
     if (std::isnan(h)) return kNone;
     v = static_cast<std::int32_t>(mesh_.vertices.size());
     used_ranks_.push_back(rank);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -67,6 +68,8 @@ class RightTriangleMesh {
   bool touches(GridPoint a, GridPoint b, GridPoint c) const { return on_line(a) || on_line(b) || on_line(c); }
   bool on_line(GridPoint p) const { return !in_band_ || (southward_ ? p.x : p.y) == line_; }
   CornerCell corner_cell(GridPoint cell);
+  double height_m(GridPoint p) const;
+  bool exists(GridPoint p) const { return !std::isnan(height_m(p)); }
   std::int32_t vertex(GridPoint p);
 
   SurfaceView* view_;
