@@ -176,7 +176,9 @@ void clip_piece(const SurfaceWindow& surface, const Spoke& s, double t0, double 
   const auto west = static_cast<std::int64_t>(std::floor(x0 + kOnGridLine));
   const auto north = static_cast<std::int64_t>(std::floor(y0 + kOnGridLine));
   const SampleRun run = surface.run_at(west, north);
-  if (run.all_valid && x1 <= static_cast<double>(west + run.columns - 1) + kOnGridLine &&
+  // The raster's last column and row have no next one in their block.
+  if (run.all_valid && run.columns > 1 && run.rows > 1 &&
+      x1 <= static_cast<double>(west + run.columns - 1) + kOnGridLine &&
       y1 <= static_cast<double>(north + run.rows - 1) + kOnGridLine) {
     clip_in_block(run, west, north, s, t0, t1, bound_m, interval);
   } else {
