@@ -32,8 +32,9 @@ struct RectTriangle {
 };
 
 /// Intersects [lo, hi], hub heights relative to the plane's, with what each of the samples in the triangle allows
-/// that have any weight. Missing samples (NaN) allow everything. `light`: there may be samples so near the side
-/// opposite to the hub that the hub cannot move them; one beyond the bound makes the interval empty. The inner
+/// that have any weight. Missing samples (NaN) allow everything. In float: rounding is as of the largest height,
+/// relative to the base, and weight that the plane has over the rectangle. `light`: there may be samples so near the
+/// side opposite to the hub that the hub cannot move them; one beyond the bound makes the interval empty. The inner
 /// loop of the simplifier: eight samples at a time.
 void clip_rect(const SampleRect& samples, const RectTriangle& triangle, float bound, bool light, float& lo, float& hi);
 

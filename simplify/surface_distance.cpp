@@ -12,10 +12,10 @@
 namespace tintree::simplify {
 namespace {
 
-/// Smaller triangles (in cells) have no sample off the outer edge whose weight is that low.
-constexpr double kAreaOfLightSamples = 1e5;
 /// Below this weight the hub cannot move a point measurably.
 constexpr double kMinWeight = 1e-6;
+/// Smaller triangles (in cells) have no sample off the outer edge whose weight is that low.
+constexpr double kAreaOfLightSamples = 1e5;
 static_assert(kLargeCells < TrianglePlane::kMaxRectSamples && kPatchCells[0] < TrianglePlane::kMaxRectSamples);
 
 }  // namespace
@@ -35,6 +35,13 @@ namespace {
 /// The largest distance that a linear function with these slopes has over a rectangle from its value in the middle.
 double swing(double x, double y, const Extent& r) {
   return (std::abs(x) * (r.x1 - r.x0) + std::abs(y) * (r.y1 - r.y0)) / 2;
+}
+
+/// How much the rounding of a test in float may exceed the guard: somewhere in the rectangle the plane is as high as
+/// some point of the triangle, but a steep sliver's rises and falls far beyond all heights from there, and its
+/// weights do. `reach_m` is how far the hub may move.
+double excess_rounding_m(const TrianglePlane& plane, const Extent& r, double reach_m) {
+  return guard_m(2 * (swing(plane.zx, plane.zy, r) + swing(plane.wx, plane.wy, r) * reach_m), 0);
 }
 
 /// True when the patch alone shows that nothing in the rectangle, part of its square at (x0, y0), narrows the
@@ -145,11 +152,12 @@ void SurfaceDistance::clip_samples(const TrianglePlane& plane, const Extent& ext
                                    HeightInterval& interval) {
   auto lo = static_cast<float>(interval.lo);
   auto hi = static_cast<float>(interval.hi);
+  const double reach = std::max(std::abs(interval.lo), std::abs(interval.hi));
+  const auto tested = static_cast<float>(bound_m - excess_rounding_m(plane, extent, reach));
   for_each_rect(static_cast<std::int64_t>(std::ceil(extent.x0)), static_cast<std::int64_t>(std::ceil(extent.y0)),
                 static_cast<std::int64_t>(std::floor(extent.x1)), static_cast<std::int64_t>(std::floor(extent.y1)),
                 [&](const SampleRect& samples, std::int64_t x, std::int64_t y, double base) {
-                  clip_rect(samples, plane.over(x, y, base), static_cast<float>(bound_m),
-                            plane.area > kAreaOfLightSamples, lo, hi);
+                  clip_rect(samples, plane.over(x, y, base), tested, plane.area > kAreaOfLightSamples, lo, hi);
                   return lo <= hi;
                 });
   interval.lo = std::max(interval.lo, static_cast<double>(lo));
@@ -191,10 +199,11 @@ void SurfaceDistance::clip_star(const Star& star, HeightInterval& interval) {
 /// Whether all samples of a part of the triangle lie within the bound of its plane.
 bool SurfaceDistance::within(int size, const TrianglePlane& plane, const Extent& extent, double bound_m) {
   if (size < 0) {
+    const auto tested = static_cast<float>(bound_m - excess_rounding_m(plane, extent, 0));
     return for_each_rect(static_cast<std::int64_t>(extent.x0), static_cast<std::int64_t>(extent.y0),
                          static_cast<std::int64_t>(extent.x1), static_cast<std::int64_t>(extent.y1),
                          [&](const SampleRect& samples, std::int64_t x, std::int64_t y, double base) {
-                           return rect_within(samples, plane.over(x, y, base), static_cast<float>(bound_m));
+                           return rect_within(samples, plane.over(x, y, base), tested);
                          });
   }
   const int cells = kPatchCells[static_cast<std::size_t>(size)];
