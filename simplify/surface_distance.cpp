@@ -14,8 +14,8 @@ namespace {
 
 /// Below this weight the hub cannot move a point measurably.
 constexpr double kMinWeight = 1e-6;
-/// Smaller triangles (in cells) have no sample off the outer edge whose weight is that low.
-constexpr double kAreaOfLightSamples = 1e5;
+/// Smaller triangles (in cells) have no sample off the outer edge whose weight is that low, or is rounded to it.
+constexpr double kAreaOfLightSamples = 0.1 / (kMinWeight * kCornerParts * kCornerParts);
 static_assert(kLargeCells < TrianglePlane::kMaxRectSamples && kPatchCells[0] < TrianglePlane::kMaxRectSamples);
 
 }  // namespace
