@@ -2,9 +2,11 @@
 
 #include "simplify/border_ribbon.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
-#include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -167,48 +169,71 @@ TEST(BorderRibbon, NeighboursAgreeOnSamplesThatBlocksRoundApart) {
   EXPECT_GT(expect_equal_sides(test::make_exact_terrain(385, 65, height), 64, 0.1).stretches, 0);
 }
 
+/// The line's inner vertices in a band.
+std::int64_t inner_vertices(RightTriangleMesh& start, const Side& side) {
+  std::array<bool, 2> open_ends{};
+  const StartMesh band = start.band(side, open_ends);
+  return std::ranges::count_if(band.vertices, [&](const LatticeVertex& v) {
+    return side.across(v) == 0 && side.along(v) > 0 && side.along(v) < side.cells;
+  });
+}
+
 TEST(BorderRibbon, APlaneNeedsNoVerticesInside) {
   const Terrain terrain = test::make_terrain(65, 65, [](int c, int r) { return 0.5 * c + 3 * r; });
-  const HeightLattice heights{0.25};
   SurfaceView view(*terrain.surface);
   BorderRibbon ribbon;
   for (const Side& side :
        {Side{16, 32, 16, false}, Side{32, 16, 16, true}, Side{0, 0, 64, false}, Side{64, 0, 64, true}}) {
-    EXPECT_EQ(ribbon.settle(view, side, 1, heights).size(), static_cast<std::size_t>(side.cells) - 1);
+    const LevelGrid level{side.cells, 1, {0.25}};
+    // The tile that has the side on its north or its east.
+    RightTriangleMesh start(view, level, side.southward ? side.column - side.cells : side.column, side.row);
+    EXPECT_EQ(inner_vertices(start, side), 15) << "a vertex at each square's corner, and no others on a plane";
+    EXPECT_EQ(ribbon.settle(view, start, side, level).size(), 15U);
   }
+}
+
+bool same_step(const RibbonStep& a, const RibbonStep& b) {
+  return a.index == b.index && a.towards == b.towards && a.z == b.z;
+}
+
+TEST(BorderRibbon, BothNeighboursSettleTheSameSteps) {
+  std::size_t steps = 0;
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    SCOPED_TRACE(seed);
+    const Terrain terrain =
+        test::make_terrain(300, 280, test::rough_hills(30, 1, seed % 2 == 0 ? 0 : 0.002 * seed, seed));
+    const LevelGrid level{std::int64_t{16} << seed % 4, 0.5 * std::pow(2.0, seed), {0.125 * std::pow(2.0, seed)}};
+    SurfaceView view(*terrain.surface);
+    BorderRibbon ribbon;
+    const std::int64_t n = level.cells;
+    for (std::int64_t k = 0; k < 2; ++k) {
+      RightTriangleMesh here(view, level, k * n, n);
+      RightTriangleMesh east(view, level, (k + 1) * n, n);
+      RightTriangleMesh south(view, level, k * n, 2 * n);
+      const Side eastern{(k + 1) * n, n, n, true};
+      const Side southern{k * n, 2 * n, n, false};
+      const auto settled = ribbon.settle(view, here, eastern, level);
+      EXPECT_TRUE(std::ranges::equal(settled, ribbon.settle(view, east, eastern, level), same_step));
+      steps += settled.size();
+      EXPECT_TRUE(std::ranges::equal(ribbon.settle(view, here, southern, level),
+                                     ribbon.settle(view, south, southern, level), same_step));
+    }
+  }
+  EXPECT_GT(steps, 50U);
 }
 
 TEST(BorderRibbon, DoesNotDependOnWhatItSettledBefore) {
   const Terrain terrain = test::make_terrain(129, 129, test::rough_hills(30, 1, 0.02));
-  const HeightLattice heights{0.25};
+  const LevelGrid level{16, 1, {0.25}};
   SurfaceView view(*terrain.surface);
   BorderRibbon used;
-  const auto same = [](const RibbonStep& a, const RibbonStep& b) {
-    return a.index == b.index && a.towards == b.towards && a.z == b.z;
-  };
   for (std::int64_t k = 0; k < 8; ++k) {
     const Side side{16 * k, 64, 16, k % 2 == 0};
-    const auto again = used.settle(view, side, 1, heights);
-    const auto fresh = BorderRibbon().settle(view, side, 1, heights);
-    EXPECT_TRUE(std::ranges::equal(again, fresh, same));
+    RightTriangleMesh start(view, level, side.column, side.row);
+    const auto again = used.settle(view, start, side, level);
+    const auto fresh = BorderRibbon().settle(view, start, side, level);
+    EXPECT_TRUE(std::ranges::equal(again, fresh, same_step));
   }
-}
-
-TEST(BorderRibbon, FlipsOnlyWhatStaysInBound) {
-  const Terrain terrain = test::make_terrain(4, 3, [](int c, int r) {
-    return c == 3 && r == 2 ? test::kMissing : c == 1 && r == 1 ? 8.0 : 0.0;
-  });
-  const HeightLattice heights{0.25};
-  SurfaceView view(*terrain.surface);
-  // Half of the raised sample's height is what a flip of a cell at it changes.
-  EXPECT_TRUE(may_flip(view, 0, 0, 4.001, heights));
-  EXPECT_FALSE(may_flip(view, 0, 0, 3.9, heights));
-  EXPECT_TRUE(may_flip(view, 1, 0, 4.001, heights));
-  EXPECT_FALSE(may_flip(view, 1, 0, 3.9, heights));
-  EXPECT_TRUE(may_flip(view, 2, 0, 0.1, heights));
-  EXPECT_FALSE(may_flip(view, 2, 1, 100, heights)) << "a sample is missing";
-  EXPECT_FALSE(may_flip(view, 3, 1, 100, heights)) << "beyond the raster";
-  EXPECT_FALSE(may_flip(view, -1, 0, 100, heights));
 }
 
 }  // namespace
