@@ -81,6 +81,7 @@ std::string Manifest::to_json() const {
     files.push_back({{"path", f.path}, {"bytes", f.bytes}, {"modified_s", f.modified_s}});
   const json j = {
       {"method", method},
+      {"effort", effort},
       {"columns", layout.columns},
       {"rows", layout.rows},
       {"tile_cells", layout.tile_cells},
@@ -109,6 +110,9 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
   try {
     const json j = json::parse(text);
     m.method = j.at("method").get<std::string>();
+    m.effort = j.at("effort").get<std::string>();
+    if (m.effort != "fast" && m.effort != "best")
+      return fail(ErrorCode::kBadData, "the manifest names an unknown --effort");
     m.layout.columns = j.at("columns").get<std::int64_t>();
     m.layout.rows = j.at("rows").get<std::int64_t>();
     m.layout.tile_cells = j.at("tile_cells").get<int>();
@@ -149,7 +153,7 @@ std::string Manifest::difference(const Manifest& other) const {
   const codec::TreeLayout& b = other.layout;
   const bool same_heights = samples_digest == other.samples_digest;
   for (const std::string& d :
-       {differ("--method", method, other.method),
+       {differ("--method", method, other.method), differ("--effort", effort, other.effort),
         differ("--nodata", std::string(nodata_name(nodata)), std::string(nodata_name(other.nodata))),
         differ("--tile", a.tile_cells, b.tile_cells),
         // Says more than the size and spacing that come of it.

@@ -14,6 +14,7 @@ namespace tintree::cache {
 /// What a tree is: stored as JSON in its file (docs/format.md, Manifest).
 struct Manifest {
   std::string method = "tin";
+  std::string effort = "fast";  ///< How hard the maker of the tiles tried.
   codec::TreeLayout layout;
   std::string crs_wkt;
   std::array<double, 6> geotransform{};

@@ -1,5 +1,7 @@
 #include "codec/draco_mesh.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -12,7 +14,10 @@
 namespace tintree::codec {
 namespace {
 
-constexpr auto kPayloadVersion = std::byte{1};
+constexpr auto kPayloadVersion = std::byte{2};
+/// What every stream of this encoder begins with (Draco bitstream 2.2, triangle mesh, Edgebreaker, no metadata): not
+/// stored.
+constexpr std::array<char, 11> kStreamHeader{'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0};
 /// Below this many vertices the fixed cost of the slow predictors can outweigh what they save.
 constexpr std::size_t kTrySmallCoder = 300;
 constexpr int kBestSpeed = 0;
@@ -82,11 +87,16 @@ Expected<std::vector<std::byte>> DracoMesh::encode(const TileMesh& mesh) const {
     draco::EncoderBuffer other;
     if (encode_at(source, kSmallSpeed, other) && other.size() < buffer.size()) std::swap(buffer, other);
   }
+  if (buffer.size() < kStreamHeader.size() ||
+      !std::ranges::equal(kStreamHeader, std::span(buffer.data(), kStreamHeader.size()))) {
+    return fail(ErrorCode::kBadData, "this version of Draco writes another bitstream than the format holds");
+  }
   std::vector<std::byte> out{kPayloadVersion, static_cast<std::byte>(static_cast<std::int8_t>(mesh.xy_shift))};
   put_varint(out, mesh.z_offset);
   const std::size_t head = out.size();
-  out.resize(head + buffer.size());
-  std::memcpy(out.data() + head, buffer.data(), buffer.size());
+  const std::size_t body = buffer.size() - kStreamHeader.size();
+  out.resize(head + body);
+  std::memcpy(out.data() + head, buffer.data() + kStreamHeader.size(), body);
   return out;
 }
 
@@ -99,8 +109,11 @@ Expected<TileMesh> DracoMesh::decode(std::span<const std::byte> bytes) const {
   bytes = bytes.subspan(2);
   if (!take_varint(bytes, mesh.z_offset)) return fail(ErrorCode::kBadData, "the payload is cut short");
 
+  std::vector<char> stream(kStreamHeader.begin(), kStreamHeader.end());
+  const auto* body = reinterpret_cast<const char*>(bytes.data());
+  stream.insert(stream.end(), body, body + bytes.size());
   draco::DecoderBuffer buffer;
-  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  buffer.Init(stream.data(), stream.size());
   auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) return fail(ErrorCode::kBadData, "Draco refuses the payload");
   const std::unique_ptr<draco::Mesh> source = std::move(decoded).value();

@@ -15,6 +15,9 @@ constexpr std::int64_t kSettled = 100;
 /// Mean squared distance of the planes from the merged vertex, in squared bounds, beyond which hardly any collapse
 /// keeps the bound (docs/performance.md).
 constexpr double kHopeless = 2;
+constexpr double kHopelessToRepair = 4;
+/// Rounding of a cost, relative to the terms that it is the difference of.
+constexpr double kCostRounding = 1e-14;
 /// Height error, in bounds, that a vertex may trade for staying near the middle of its edge.
 constexpr double kRidge = 0.05;
 /// How often a sweep looks whether it has been interrupted.
@@ -22,28 +25,18 @@ constexpr std::int32_t kVerticesPerLook = 256;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// Twice the signed area, positive counter-clockwise seen from above (y runs southward).
-std::int64_t doubled_area(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& c) {
-  return std::int64_t{c.x - a.x} * (b.y - a.y) - std::int64_t{b.x - a.x} * (c.y - a.y);
-}
-
 std::int64_t cross(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& c, const LatticeVertex& d) {
   return std::int64_t{b.x - a.x} * (d.y - c.y) - std::int64_t{b.y - a.y} * (d.x - c.x);
 }
 
 }  // namespace
 
-Point EdgeCollapse::point(const LatticeVertex& v) const {
-  return {v.x * lattice_, v.y * lattice_, v.z * spec_.z_step_m};
-}
-
 void EdgeCollapse::run(HalfEdgeMesh& mesh, SurfaceDistance& distance, const CollapseSpec& spec,
                        std::vector<CollapseStep>* log) {
   mesh_ = &mesh;
-  distance_ = &distance;
   spec_ = spec;
+  fit_.emplace(mesh, distance, spec);
   log_ = log;
-  lattice_ = std::ldexp(1.0, -spec.sub_bits);
   init_quadrics();
   failed_cost_.assign(mesh.vertices.size(), -1);
   mark_.assign(mesh.vertices.size(), 0);
@@ -54,9 +47,13 @@ void EdgeCollapse::run(HalfEdgeMesh& mesh, SurfaceDistance& distance, const Coll
   for (const double threshold : kPassThresholds) {
     std::int64_t gone = 0;
     do {
-      gone = sweep(threshold * unit);
+      gone = sweep(threshold * unit, false);
       live -= gone;
     } while (threshold == kInfinity && gone * kSettled > live);
+  }
+  if (spec.effort == Effort::kBest) {
+    std::ranges::fill(failed_cost_, -1);
+    sweep(kInfinity, true);
   }
 }
 
@@ -65,9 +62,9 @@ void EdgeCollapse::init_quadrics() {
   for (std::int32_t h = 0; h < mesh_->half_edge_count(); h += 3) {
     if (!mesh_->triangle_alive(h)) continue;
     const std::int32_t corners[3] = {mesh_->origin(h), mesh_->origin(h + 1), mesh_->origin(h + 2)};
-    const Point p = point(corners[0]);
-    const Point q = point(corners[1]);
-    const Point r = point(corners[2]);
+    const Point p = fit_->point(mesh_->vertex(corners[0]));
+    const Point q = fit_->point(mesh_->vertex(corners[1]));
+    const Point r = fit_->point(mesh_->vertex(corners[2]));
     const double d = (q.x - p.x) * (r.y - p.y) - (r.x - p.x) * (q.y - p.y);
     const double a = ((q.z - p.z) * (r.y - p.y) - (r.z - p.z) * (q.y - p.y)) / d;
     const double b = ((q.x - p.x) * (r.z - p.z) - (r.x - p.x) * (q.z - p.z)) / d;
@@ -76,23 +73,30 @@ void EdgeCollapse::init_quadrics() {
   }
 }
 
-std::int64_t EdgeCollapse::sweep(double threshold) {
+std::int64_t EdgeCollapse::sweep(double threshold, bool repair) {
   std::int64_t gone = 0;
   for (std::int32_t v = 0; v < mesh_->vertex_count(); ++v) {
-    if (v % kVerticesPerLook == 0 && distance_->interrupted()) return 0;
+    if (v % kVerticesPerLook == 0 && fit_->interrupted()) return 0;
     if (!mesh_->alive(v) || kind(v) > VertexKind::kSlide || failed_cost_[at(v)] >= threshold) continue;
     collect_candidates(v, threshold);
-    bool collapsed = false;
-    for (const Candidate& candidate : candidates_) {
-      if (try_collapse(candidate)) {
-        collapsed = true;
-        ++gone;
-        break;
-      }
-    }
-    if (!collapsed) failed_cost_[at(v)] = threshold;
+    if (collapse_any(repair))
+      ++gone;
+    else
+      failed_cost_[at(v)] = threshold;
   }
   return gone;
+}
+
+/// Carries out the first of the candidates that keeps the bound.
+bool EdgeCollapse::collapse_any(bool repair) {
+  return std::ranges::any_of(candidates_, [&](const Candidate& candidate) {
+    if (try_collapse(candidate)) return true;
+    if (kind(candidate.kept) != VertexKind::kFree) return false;
+    Candidate staying = candidate;
+    staying.position = mesh_->vertex(candidate.kept);
+    const bool same = staying.position.x == candidate.position.x && staying.position.y == candidate.position.y;
+    return (!same && try_collapse(staying)) || (repair && try_repair(candidate));
+  });
 }
 
 void EdgeCollapse::collect_candidates(std::int32_t vertex, double threshold) {
@@ -133,10 +137,10 @@ bool EdgeCollapse::propose(Candidate& candidate) const {
   const Quadric::Plan plan = sum.plan();
   candidate.position = to;
   if (kept_kind == VertexKind::kFree) {
-    const double mx = (from.x + to.x) * lattice_ / 2;
-    const double my = (from.y + to.y) * lattice_ / 2;
-    const double ex = (to.x - from.x) * lattice_;
-    const double ey = (to.y - from.y) * lattice_;
+    const double mx = (from.x + to.x) * fit_->lattice() / 2;
+    const double my = (from.y + to.y) * fit_->lattice() / 2;
+    const double ex = (to.x - from.x) * fit_->lattice();
+    const double ey = (to.y - from.y) * fit_->lattice();
     const double ridge = sum.zz * kRidge * kRidge * spec_.bound_m * spec_.bound_m / (ex * ex + ey * ey);
     double px = 0;
     double py = 0;
@@ -147,29 +151,28 @@ bool EdgeCollapse::propose(Candidate& candidate) const {
       px = mx;
       py = my;
     }
-    candidate.position.x = static_cast<std::int32_t>(std::lround(px / lattice_));
-    candidate.position.y = static_cast<std::int32_t>(std::lround(py / lattice_));
+    candidate.position.x = static_cast<std::int32_t>(std::lround(px / fit_->lattice()));
+    candidate.position.y = static_cast<std::int32_t>(std::lround(py / fit_->lattice()));
   }
-  const double px = candidate.position.x * lattice_;
-  const double py = candidate.position.y * lattice_;
+  const double px = candidate.position.x * fit_->lattice();
+  const double py = candidate.position.y * fit_->lattice();
   candidate.cost = plan.at(px, py);
   if (kept_kind == VertexKind::kLocked) {
     const double off = to.z * spec_.z_step_m - sum.best_height(px, py);
     candidate.cost += sum.zz * off * off;
   }
   candidate.cost = std::max(candidate.cost, 0.0);
-  return candidate.cost <= kHopeless * sum.zz * spec_.bound_m * spec_.bound_m;
-}
-
-bool EdgeCollapse::on_line(const LatticeVertex& v) const {
-  return (spec_.line == CollapseSpec::Line::kX && v.x == 0) || (spec_.line == CollapseSpec::Line::kY && v.y == 0);
+  const double hopeless = spec_.effort == Effort::kBest ? kHopelessToRepair : kHopeless;
+  // Where the bound is tiny beside the heights all costs are rounding.
+  const double rounding = kCostRounding * (sum.one + sum.xx * px * px + sum.yy * py * py);
+  return candidate.cost <= hopeless * sum.zz * spec_.bound_m * spec_.bound_m + rounding;
 }
 
 /// Whether `other` lies on the straight line that `slider` slides along.
 bool EdgeCollapse::follows_outline(std::int32_t slider, std::int32_t other) const {
   const LatticeVertex& here = mesh_->vertices[at(slider)];
   const LatticeVertex& there = mesh_->vertices[at(other)];
-  if (spec_.line != CollapseSpec::Line::kAbsent) return on_line(here) && on_line(there);
+  if (spec_.line != CollapseSpec::Line::kAbsent) return spec_.on_line(here) && spec_.on_line(there);
   const LatticeVertex& ahead = mesh_->vertices[at(mesh_->target(mesh_->outgoing(slider)))];
   return cross(here, ahead, here, there) == 0;
 }
@@ -177,25 +180,24 @@ bool EdgeCollapse::follows_outline(std::int32_t slider, std::int32_t other) cons
 /// Collects the outer edges and the spokes of the star that the collapse would leave. The own triangles of
 /// a hub that stays as it is do not change and are left out.
 void EdgeCollapse::gather_star(const Candidate& candidate) {
-  outer_.clear();
-  spokes_.clear();
+  ring_.clear();
   append_star(candidate.gone, candidate.kept);
   const bool hub_stays = kind(candidate.kept) == VertexKind::kLocked;
   if (!hub_stays) append_star(candidate.kept, candidate.gone);
   // Each corner of the ring starts one outer edge, except the last of an open fan.
   ++mark_value_;
-  for (const OuterEdge& e : outer_) {
-    spokes_.push_back(e.from);
+  for (const Ring::Side& e : ring_.sides) {
+    ring_.spokes.push_back(e.from);
     mark_[at(e.from)] = mark_value_;
   }
-  for (const OuterEdge& e : outer_) {
-    if (mark_[at(e.to)] != mark_value_) spokes_.push_back(e.to);
+  for (const Ring::Side& e : ring_.sides) {
+    if (mark_[at(e.to)] != mark_value_) ring_.spokes.push_back(e.to);
   }
   if (hub_stays) {
     // The apexes are joined to the hub already.
     const std::int32_t h = candidate.half_edge;
-    std::erase(spokes_, mesh_->origin(HalfEdgeMesh::previous(h)));
-    if (mesh_->twin(h) != kNone) std::erase(spokes_, mesh_->origin(HalfEdgeMesh::previous(mesh_->twin(h))));
+    std::erase(ring_.spokes, mesh_->origin(HalfEdgeMesh::previous(h)));
+    if (mesh_->twin(h) != kNone) std::erase(ring_.spokes, mesh_->origin(HalfEdgeMesh::previous(mesh_->twin(h))));
   }
 }
 
@@ -205,7 +207,7 @@ void EdgeCollapse::append_star(std::int32_t vertex, std::int32_t other) {
   for (std::int32_t h = start; h != kNone;) {
     const std::int32_t from = mesh_->target(h);
     const std::int32_t to = mesh_->origin(HalfEdgeMesh::previous(h));
-    if (from != other && to != other) outer_.push_back({from, to});
+    if (from != other && to != other) ring_.sides.push_back({from, to});
     const std::int32_t following = mesh_->rotate(h);
     h = following == start ? kNone : following;
   }
@@ -232,55 +234,45 @@ bool EdgeCollapse::link_is_simple(const Candidate& candidate) {
   return shared == (inside ? 2 : 1);
 }
 
-/// The height of the merged vertex that costs least of those that keep the bound; false when there is none.
-bool EdgeCollapse::fit_height(const Candidate& candidate, LatticeVertex& position) {
-  const bool fixed = kind(candidate.kept) == VertexKind::kLocked;
-  const bool line = on_line(position);
-  Point hub = point(position);
-  HeightInterval interval{0, 0};
-  if (!fixed) {
-    hub.z = distance_->surface().height_at(hub.x, hub.y);
-    if (std::isnan(hub.z)) return false;
-    const double reach = line ? spec_.line_bound_m : spec_.bound_m;
-    interval = {-reach, reach};
-  }
-  star_.hub = hub;
-  star_.bound_m = spec_.bound_m;
-  star_.sides.clear();
-  star_.spokes.clear();
-  for (const OuterEdge& e : outer_) star_.sides.push_back({point(e.from), point(e.to)});
-  for (const std::int32_t s : spokes_) {
-    const bool along = line && on_line(mesh_->vertices[at(s)]);
-    star_.spokes.push_back({point(s), along ? spec_.line_bound_m : spec_.bound_m});
-  }
-  distance_->clip_star(star_, interval);
-  if (interval.empty()) return false;
-  if (fixed) return true;
+/// Chooses the height of the merged vertex that costs least of those that keep the bound; false when there is none.
+bool EdgeCollapse::fit_height(Candidate& candidate) {
+  if (kind(candidate.kept) == VertexKind::kLocked) return fit_->keeps(candidate.position, ring_);
+  const HeightRange range = fit_->heights(candidate.position, ring_);
+  if (range.empty()) return false;
   Quadric sum = quadrics_[at(candidate.gone)];
   sum += quadrics_[at(candidate.kept)];
-  // Rounded inward: what is stored is what was tested.
-  const double lowest = std::ceil((hub.z + interval.lo) / spec_.z_step_m);
-  const double highest = std::floor((hub.z + interval.hi) / spec_.z_step_m);
-  if (lowest > highest) return false;
-  const double wished = std::round(sum.best_height(hub.x, hub.y) / spec_.z_step_m);
-  position.z = static_cast<std::int32_t>(std::clamp(wished, lowest, highest));
+  const Point place = fit_->point(candidate.position);
+  const double wished = std::round(sum.best_height(place.x, place.y) / spec_.z_step_m);
+  candidate.position.z = static_cast<std::int32_t>(std::clamp<double>(wished, range.lowest, range.highest));
   return true;
 }
 
-bool EdgeCollapse::try_collapse(const Candidate& candidate) {
+bool EdgeCollapse::try_collapse(Candidate candidate) {
   gather_star(candidate);
-  if (outer_.empty()) return false;
-  LatticeVertex position = candidate.position;
-  for (const OuterEdge& e : outer_) {
-    if (doubled_area(position, mesh_->vertices[at(e.from)], mesh_->vertices[at(e.to)]) <= 0) return false;
-  }
-  if (!link_is_simple(candidate) || !fit_height(candidate, position)) return false;
+  if (ring_.sides.empty() || !fit_->unfolded(candidate.position, ring_)) return false;
+  if (!link_is_simple(candidate) || !fit_height(candidate)) return false;
+  merge(candidate, candidate.position);
+  return true;
+}
+
+/// The same, if need be with neighbours moved out of the way.
+bool EdgeCollapse::try_repair(const Candidate& candidate) {
+  if (kind(candidate.gone) != VertexKind::kFree) return false;
+  gather_star(candidate);
+  LatticeVertex merged = candidate.position;
+  if (ring_.sides.empty() || !link_is_simple(candidate)) return false;
+  if (!repair_.run(*mesh_, *fit_, candidate.gone, candidate.kept, ring_, merged)) return false;
+  merge(candidate, merged);
+  for (const std::int32_t v : repair_.moved()) forgive_around(v);
+  return true;
+}
+
+void EdgeCollapse::merge(const Candidate& candidate, const LatticeVertex& position) {
   quadrics_[at(candidate.kept)] += quadrics_[at(candidate.gone)];
   mesh_->collapse(candidate.half_edge, candidate.kept);
-  mesh_->vertices[at(candidate.kept)] = position;
+  mesh_->vertex(candidate.kept) = position;
   if (log_ != nullptr) log_->push_back({candidate.gone, candidate.kept, position});
   forgive_around(candidate.kept);
-  return true;
 }
 
 /// What failed around a changed vertex may succeed now.

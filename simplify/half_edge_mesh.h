@@ -35,6 +35,8 @@ class HalfEdgeMesh {
 
   std::int32_t vertex_count() const { return static_cast<std::int32_t>(vertices.size()); }
   std::int32_t half_edge_count() const { return static_cast<std::int32_t>(origin_.size()); }
+  const LatticeVertex& vertex(std::int32_t v) const { return vertices[index(v)]; }
+  LatticeVertex& vertex(std::int32_t v) { return vertices[index(v)]; }
   bool alive(std::int32_t vertex) const { return outgoing_[index(vertex)] != kNone; }
   bool triangle_alive(std::int32_t half_edge) const { return origin_[index(half_edge)] != kNone; }
 

@@ -51,7 +51,7 @@ class Sampler {
       : manifest_(&manifest),
         view_(surface, stop),
         meter_(view_),
-        maker_(make_tile_maker(manifest.method, surface, manifest.layout, stop)),
+        maker_(make_tile_maker(manifest.method, surface, manifest.layout, effort_named(manifest.effort), stop)),
         codec_(codec::find_codec(manifest.method)) {}
 
   Expected<void> run(SampledTile& out) {

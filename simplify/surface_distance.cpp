@@ -20,7 +20,7 @@ static_assert(kLargeCells < TrianglePlane::kMaxRectSamples && kPatchCells[0] < T
 
 }  // namespace
 
-double guard_m(double range_m, double bound_m) { return range_m * 0x1p-21 + bound_m * 1e-6; }
+double guard_m(double range_m, double bound_m) { return range_m * 0x1p-22 + bound_m * 1e-6; }
 
 double tested_bound_m(const ReferenceSurface& surface, const codec::CellRect& cells, double bound_m) {
   const cache::HeightBlocks& blocks = surface.blocks();
@@ -138,7 +138,7 @@ void SurfaceDistance::clip_squares(int size, double bound_m, HeightInterval& int
   if (interval.empty()) return;
   for (const Square& s : squares) {
     const TrianglePlane& plane = planes_[s.plane];
-    const Extent part = overlap(plane.extent(), square_extent(s.x0, s.y0, cells));
+    const Extent part = overlap(plane.extent, square_extent(s.x0, s.y0, cells));
     if (patch_settles(*s.patch, static_cast<double>(s.x0), static_cast<double>(s.y0), part, plane, bound_m, interval))
       continue;
     if (size > 0)
@@ -170,7 +170,7 @@ void SurfaceDistance::clip_star(const Star& star, HeightInterval& interval) {
   for (auto& list : squares_) list.clear();
   for (const Star::Side& side : star.sides) planes_.emplace_back(star.hub, side.from, side.to);
   for (std::size_t k = 0; k < planes_.size(); ++k) {
-    const Extent extent = planes_[k].extent();
+    const Extent extent = planes_[k].extent;
     const double length = std::max(extent.x1 - extent.x0, extent.y1 - extent.y0);
     if (length < kLargeCells) {
       clip_samples(planes_[k], extent, star.bound_m, interval);
@@ -187,7 +187,7 @@ void SurfaceDistance::clip_star(const Star& star, HeightInterval& interval) {
   for (const Square& s : open_) {
     if (interval.empty()) return;
     const TrianglePlane& plane = planes_[s.plane];
-    const Extent part = overlap(plane.extent(), square_extent(s.x0, s.y0, kPatchCells[0]));
+    const Extent part = overlap(plane.extent, square_extent(s.x0, s.y0, kPatchCells[0]));
     if (patch_settles(*s.patch, static_cast<double>(s.x0), static_cast<double>(s.y0), part, plane, star.bound_m,
                       interval)) {
       continue;
@@ -250,7 +250,7 @@ bool SurfaceDistance::any_sample(int size, const TrianglePlane& plane, const Ext
 
 SurfaceDistance::Fit SurfaceDistance::fit_triangle(const Point& a, const Point& b, const Point& c, double bound_m) {
   const TrianglePlane plane(a, b, c);
-  const Extent extent = plane.extent();
+  const Extent extent = plane.extent;
   const double length = std::max(extent.x1 - extent.x0, extent.y1 - extent.y0);
   const int size = length < kLargeCells ? -1 : patch_size_for(length);
   bool fits = window_.holds(extent.x0, extent.y0, extent.x1, extent.y1) && within(size, plane, extent, bound_m);

@@ -5,8 +5,8 @@
 namespace tintree::simplify {
 
 std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,
-                                           const codec::TreeLayout& layout, const StopFlag* stop) {
-  if (method == "tin") return std::make_unique<TinMaker>(surface, layout, stop);
+                                           const codec::TreeLayout& layout, Effort effort, const StopFlag* stop) {
+  if (method == "tin") return std::make_unique<TinMaker>(surface, layout, effort, stop);
   return nullptr;
 }
 

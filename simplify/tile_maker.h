@@ -7,6 +7,7 @@
 #include "codec/grid_frame.h"
 #include "codec/stop_flag.h"
 #include "codec/tile_mesh.h"
+#include "simplify/collapse_spec.h"
 #include "simplify/reference_surface.h"
 
 namespace tintree::simplify {
@@ -26,6 +27,7 @@ class TileMaker {
 
 /// A maker of the method ("tin"), or null for one that this version lacks. `stop` must outlive it.
 std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,
-                                           const codec::TreeLayout& layout, const StopFlag* stop = nullptr);
+                                           const codec::TreeLayout& layout, Effort effort = Effort::kFast,
+                                           const StopFlag* stop = nullptr);
 
 }  // namespace tintree::simplify

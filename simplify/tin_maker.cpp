@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -10,15 +11,17 @@
 namespace tintree::simplify {
 namespace {
 
-/// Vertices lie on fractions of samples: 2^-kSubBits (docs/performance.md, Lattice).
-constexpr int kSubBits = 0;
+/// Below this bound, in sample spacings, the best effort lets vertices lie on half samples: it pays where triangles
+/// are a few samples large (docs/performance.md, What was tried).
+constexpr double kFineLattice = 0.25;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-TinMaker::TinMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, const StopFlag* stop)
-    : view_(surface, stop), layout_(layout) {}
+TinMaker::TinMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort effort,
+                   const StopFlag* stop)
+    : view_(surface, stop), layout_(layout), effort_(effort) {}
 
 Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
   const std::int64_t cells = layout_.cells_across(id.level);
@@ -31,28 +34,36 @@ Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
   RightTriangleMesh start(view_, level, column0, row0);
   if (view_.interrupted()) return tl::unexpected(*view_.error());
   StartMesh tile = start.tile();
-  for (LatticeVertex& v : tile.vertices) {
-    v.x <<= kSubBits;
-    v.y <<= kSubBits;
-  }
   mesh_.build(std::move(tile.vertices), tile.triangles);
   for (const bool southward : {false, true}) {
     for (const std::int64_t offset : {std::int64_t{0}, cells}) {
       settle_side(start, southward ? Side{offset, 0, cells, true} : Side{0, offset, cells, false}, level, id);
     }
   }
-  classify(cells << kSubBits);
+  const bool fine = level.bound_m <= kFineLattice * std::sqrt(layout_.dx_m * layout_.dy_m);
+  const int sub_bits = effort_ == Effort::kBest && fine ? 1 : 0;
+  refine_lattice(sub_bits);
+  classify(cells << sub_bits);
 
   CollapseSpec spec;
   spec.bound_m = tested_bound_m(view_.surface(), layout_.cells(id), level.bound_m);
   spec.z_step_m = level.heights.step_m;
-  spec.sub_bits = kSubBits;
+  spec.sub_bits = sub_bits;
+  spec.effort = effort_;
   const double scale = static_cast<double>(cells) / layout_.tile_cells;
   spec.area_unit = scale * scale;
   SurfaceDistance distance(view_, column0, row0);
   collapse_.run(mesh_, distance, spec);
   if (view_.error()) return tl::unexpected(*view_.error());
-  return take_mesh(id);
+  return take_mesh(id, sub_bits);
+}
+
+/// From whole samples to 2^-sub_bits of them.
+void TinMaker::refine_lattice(int sub_bits) {
+  for (LatticeVertex& v : mesh_.vertices) {
+    v.x <<= sub_bits;
+    v.y <<= sub_bits;
+  }
 }
 
 /// Repeats a side's settled collapses in this tile's half of the ribbon. `side` is relative to the tile.
@@ -61,9 +72,8 @@ void TinMaker::settle_side(RightTriangleMesh& start, const Side& side, const Lev
   std::vector<std::int32_t> vertex_at(static_cast<std::size_t>(side.cells) + 1, kNone);
   for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) {
     const LatticeVertex& p = mesh_.vertices[at(v)];
-    std::int32_t& slot = vertex_at[at(side.along(p) >> kSubBits)];
-    if (mesh_.alive(v) && side.across(p) == (side.southward ? side.column : side.row) << kSubBits && slot == kNone)
-      slot = v;
+    std::int32_t& slot = vertex_at[at(side.along(p))];
+    if (mesh_.alive(v) && side.across(p) == (side.southward ? side.column : side.row) && slot == kNone) slot = v;
   }
   const Side in_dem{side.column + std::int64_t{id.x} * side.cells, side.row + std::int64_t{id.y} * side.cells,
                     side.cells, side.southward};
@@ -107,12 +117,12 @@ void TinMaker::classify(std::int64_t span) {
 }
 
 /// The live part of the mesh, on the coarsest address grid that holds it.
-Expected<codec::TileMesh> TinMaker::take_mesh(const codec::TileId& id) const {
+Expected<codec::TileMesh> TinMaker::take_mesh(const codec::TileId& id, int sub_bits) const {
   codec::TileMesh out;
   std::vector<std::int32_t> compact(mesh_.vertices.size(), kNone);
   std::int32_t lowest = std::numeric_limits<std::int32_t>::max();
   std::int32_t highest = std::numeric_limits<std::int32_t>::min();
-  std::uint32_t all_bits = static_cast<std::uint32_t>(layout_.cells_across(id.level) << kSubBits);
+  std::uint32_t all_bits = static_cast<std::uint32_t>(layout_.cells_across(id.level) << sub_bits);
   for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) {
     if (!mesh_.alive(v)) continue;
     const LatticeVertex& p = mesh_.vertices[at(v)];
@@ -132,7 +142,7 @@ Expected<codec::TileMesh> TinMaker::take_mesh(const codec::TileId& id) const {
                 "tile " + id.text());
   }
   const int shift = std::countr_zero(all_bits);
-  out.xy_shift = shift - kSubBits;
+  out.xy_shift = shift - sub_bits;
   out.z_offset = lowest;
   for (codec::GridVertex& v : out.vertices) v = {v.x >> shift, v.y >> shift, v.z - lowest};
   for (std::int32_t h = 0; h < mesh_.half_edge_count(); h += 3) {

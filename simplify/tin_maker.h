@@ -13,17 +13,20 @@ namespace tintree::simplify {
 /// itself.
 class TinMaker final : public TileMaker {
  public:
-  TinMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, const StopFlag* stop = nullptr);
+  TinMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort effort = Effort::kFast,
+           const StopFlag* stop = nullptr);
 
   Expected<codec::TileMesh> make(const codec::TileId& id) override;
 
  private:
   void settle_side(RightTriangleMesh& start, const Side& side, const LevelGrid& level, const codec::TileId& id);
-  void classify(std::int64_t cells);
-  Expected<codec::TileMesh> take_mesh(const codec::TileId& id) const;
+  void refine_lattice(int sub_bits);
+  void classify(std::int64_t span);
+  Expected<codec::TileMesh> take_mesh(const codec::TileId& id, int sub_bits) const;
 
   SurfaceView view_;
   codec::TreeLayout layout_;
+  Effort effort_;
   HalfEdgeMesh mesh_;
   EdgeCollapse collapse_;
   BorderRibbon ribbon_;

@@ -39,6 +39,7 @@ struct TrianglePlane {
     double at(double px, double py) const { return start + x * px + y * py; }
   };
   std::array<Side, 3> sides;
+  Extent extent;
 
   TrianglePlane(const Point& hub, const Point& b, const Point& c) : corner{hub, b, c} {
     const double doubled = (hub.x - c.x) * (b.y - c.y) - (b.x - c.x) * (hub.y - c.y);
@@ -57,17 +58,14 @@ struct TrianglePlane {
     sides[0] = side_along(c, hub, sign);
     sides[1] = side_along(hub, b, sign);
     sides[2] = side_along(b, c, sign);
+    extent = {std::min(std::min(hub.x, b.x), c.x), std::min(std::min(hub.y, b.y), c.y),
+              std::max(std::max(hub.x, b.x), c.x), std::max(std::max(hub.y, b.y), c.y)};
   }
 
   double height(double x, double y) const { return z0 + zx * x + zy * y; }
   double weight(double x, double y) const { return w0 + wx * x + wy * y; }
   bool contains(double x, double y) const {
     return sides[0].at(x, y) >= 0 && sides[1].at(x, y) >= 0 && sides[2].at(x, y) >= 0;
-  }
-  Extent extent() const {
-    const auto [x0, x1] = std::minmax({corner[0].x, corner[1].x, corner[2].x});
-    const auto [y0, y1] = std::minmax({corner[0].y, corner[1].y, corner[2].y});
-    return {x0, y0, x1, y1};
   }
   /// Whether the rectangle lies wholly outside one of the triangle's sides.
   bool misses(const Extent& r) const {

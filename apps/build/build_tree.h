@@ -17,6 +17,7 @@ struct BuildOptions {
   std::string output;
   std::optional<double> error_m;  ///< Bound of the leaves; default half the sample spacing.
   std::string method = "tin";
+  std::string effort = "fast";
   int tile_cells = 256;
   int threads = 0;  ///< 0: all cores.
   std::uint64_t memory_mib = 1024;

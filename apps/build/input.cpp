@@ -70,6 +70,7 @@ Expected<Input> open_input(const BuildOptions& options, const simplify::Progress
 cache::Manifest describe_tree(const BuildOptions& options, const cache::RasterInfo& info) {
   cache::Manifest manifest;
   manifest.method = options.method;
+  manifest.effort = options.effort;
   manifest.crs_wkt = info.crs_wkt;
   manifest.geotransform = info.geotransform;
   manifest.geographic = info.geographic;

@@ -53,6 +53,9 @@ int main(int argc, char** argv) {
   app.add_option("--error", o.error_m,
                  "Error bound of the leaves in metres; doubles with every level up (default: half the sample spacing)");
   app.add_option("--method", o.method, "How tiles are made")->check(CLI::IsMember({"tin"}))->capture_default_str();
+  app.add_option("--effort", o.effort, "fast, or best for fewer triangles and bytes in a multiple of the time")
+      ->check(CLI::IsMember({"fast", "best"}))
+      ->capture_default_str();
   app.add_option("--tile", o.tile_cells, "DEM cells along a leaf's side, a power of two")->capture_default_str();
   app.add_option("--threads", o.threads, "Threads to use, 0 for all cores")->capture_default_str();
   app.add_option("--memory", o.memory_mib, "Memory to stay within, MiB")

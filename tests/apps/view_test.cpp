@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "cache/tile_store.h"
 #include "apps/view/navigation.h"
 #include "tests/render/analytic_tree.h"
 #include "tests/support/run_program.h"
@@ -110,9 +111,10 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheFile) {
 // Flips one bit anywhere in the tiles: a picture with a hole or of wrong heights would be a lie.
 TEST_F(ViewProgram, RefusesADamagedTile) {
   std::string bytes = test::read_file(tree_);
-  const std::size_t at = bytes.rfind("DRACO");
+  const auto payload = cache::TileStore::open(tree_)->read({0, 0, 0})->payload;
+  const std::size_t at = bytes.find(std::string(reinterpret_cast<const char*>(payload.data()), 40));
   ASSERT_NE(at, std::string::npos);
-  bytes[at + 40] = static_cast<char>(bytes[at + 40] ^ 4);
+  bytes[at + 30] = static_cast<char>(bytes[at + 30] ^ 4);
   const std::string bad = dir_.file("bad.tintree");
   test::write_file(bad, bytes);
   const std::string png = dir_.file("bad.png");

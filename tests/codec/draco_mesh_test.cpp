@@ -107,7 +107,7 @@ TEST(DracoMesh, RefusesAnEmptyMesh) {
 TEST(DracoMesh, RefusesAnUnknownVersion) {
   std::mt19937 random(14);
   auto bytes = *kCodec.encode(random_mesh(random, {}));
-  bytes[0] = std::byte{2};
+  bytes[0] = std::byte{1};
   const auto mesh = kCodec.decode(bytes);
   ASSERT_FALSE(mesh.has_value());
   EXPECT_EQ(mesh.error().code, ErrorCode::kBadData);

@@ -72,7 +72,7 @@ class SampleRectTest : public testing::TestWithParam<double> {
         p = {(x + pick(0, 4 * reach)) & mask, (y + pick(0, 4 * reach)) & mask, 0};
         p.z = kBase + terrain_m(static_cast<double>(p.x) / 4, static_cast<double>(p.y) / 4) + pick_m(spread_m);
       }
-      const Extent extent = c.plane().extent();
+      const Extent extent = c.plane().extent;
       c.columns = cut(extent.x0, extent.x1, c.column);
       c.rows = cut(extent.y0, extent.y1, c.row);
     } while (doubled_area(c) == 0 || c.columns <= 0 || c.rows <= 0);

@@ -59,7 +59,12 @@ void expect_stable(const Terrain& terrain, int tile_cells, double wished_error_m
   const auto tree = build_whole_tree(terrain, make_layout(terrain, tile_cells, error_m), dir.file("t.tintree"));
   ASSERT_TRUE(tree.has_value()) << tree.error().text();
   expect_sound_tree(terrain, *tree);
-  if (!is_planar(terrain.grid)) return;
+  // At the least error that is accepted the guard against rounding takes a good part of it.
+  if (!is_planar(terrain.grid) || error_m > wished_error_m) return;
+  // Where the raster's edge cuts tiles they may keep a vertex for every square of the start mesh along the cut.
+  const codec::TreeLayout layout = make_layout(terrain, tile_cells, error_m);
+  const std::int64_t root = layout.cells_across(0);
+  if (layout.columns - 1 != root || layout.rows - 1 != root) return;
   for (const simplify::LevelSummary& level : tree->levels) {
     EXPECT_EQ(level.triangles, 2 * level.tiles) << "a plane, level " << level.level;
   }

@@ -98,7 +98,7 @@ class SurfaceDistanceTest : public testing::TestWithParam<double> {
     double most = 0;
     for (std::size_t k = 0; k < star.sides(); ++k) {
       const TrianglePlane plane(star.triangle(k)[0].point(), star.triangle(k)[1].point(), star.triangle(k)[2].point());
-      const Extent extent = plane.extent();
+      const Extent extent = plane.extent;
       std::vector<double> heights;
       std::vector<double> weights;
       for (const double x : {extent.x0, extent.x1}) {

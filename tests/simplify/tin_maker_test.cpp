@@ -128,7 +128,7 @@ TEST(TinMaker, StopsWhenAsked) {
   const Terrain terrain = test::make_terrain(129, 129, test::rough_hills(50, 1, 0));
   const codec::TreeLayout layout = test::make_layout(terrain, 128, 1);
   StopFlag stop = false;
-  TinMaker maker(*terrain.surface, layout, &stop);
+  TinMaker maker(*terrain.surface, layout, Effort::kFast, &stop);
   EXPECT_TRUE(maker.make({}).has_value());
   stop = true;
   const auto stopped = maker.make({});

@@ -1,0 +1,130 @@
+#include "simplify/collapse_repair.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace tintree::simplify {
+namespace {
+
+// Largest errors of a star, in bounds (docs/performance.md, What was tried).
+constexpr double kRelaxed = 1.25;  ///< Collapses further beyond the bound are not tried.
+constexpr double kEnough = 0.875;  ///< Neighbours are not moved to fit better than this.
+constexpr double kShareStep = 1.0 / 16;
+
+}  // namespace
+
+void CollapseRepair::put(std::int32_t vertex, const LatticeVertex& place) {
+  LatticeVertex& v = mesh_->vertex(vertex);
+  journal_.push_back({vertex, v});
+  v = place;
+}
+
+/// Moves a hub `there` if its star then keeps a smaller share of the bound, as small as it gets.
+bool CollapseRepair::try_lower(LatticeVertex& place, const LatticeVertex& there, const Ring& ring, double& share,
+                               double enough) {
+  if (share <= enough || !fit_->unfolded(there, ring)) return false;
+  bool better = false;
+  while (share > enough) {
+    const HeightRange range = fit_->heights(there, ring, share - kShareStep);
+    if (range.empty()) break;
+    share -= kShareStep;
+    place = {there.x, there.y, range.lowest + (range.highest - range.lowest) / 2};
+    better = true;
+  }
+  return better;
+}
+
+/// Moves a hub, in height and to neighbouring lattice points, to lower the share of the bound that its star needs,
+/// known to be at most `share`.
+bool CollapseRepair::lower(LatticeVertex& place, const Ring& ring, double& share, double enough) {
+  constexpr int kRounds = 3;
+  constexpr std::array<std::array<int, 2>, 8> kDirections{
+      {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
+  bool moved = try_lower(place, LatticeVertex{place}, ring, share, enough);
+  // On a lattice finer than the samples larger steps come first.
+  for (int step = 1 << fit_->spec().sub_bits; step >= 1; step /= 2) {
+    for (int round = 0; round < kRounds; ++round) {
+      bool better = false;
+      for (const auto& [dx, dy] : kDirections) {
+        const LatticeVertex there{place.x + dx * step, place.y + dy * step, 0};
+        better |= try_lower(place, there, ring, share, enough);
+      }
+      moved |= better;
+      if (!better) break;
+    }
+  }
+  return moved;
+}
+
+/// The surroundings of a neighbour of the merged vertex, as they will be.
+void CollapseRepair::gather(std::int32_t vertex) {
+  ring_.clear();
+  const auto merges = [this](std::int32_t v) { return v == gone_ || v == kept_; };
+  bool met = false;
+  const auto spoke = [&](std::int32_t v) {
+    // Both ends of the edge are at the merged vertex's place by now: one of them is enough.
+    if (merges(v) && std::exchange(met, true)) return;
+    ring_.spokes.push_back(v);
+  };
+  const std::int32_t start = mesh_->outgoing(vertex);
+  for (std::int32_t h = start; h != kNone;) {
+    const std::int32_t from = mesh_->target(h);
+    const std::int32_t to = mesh_->origin(HalfEdgeMesh::previous(h));
+    if (!(merges(from) && merges(to))) ring_.sides.push_back({from, to});
+    spoke(from);
+    const std::int32_t following = mesh_->rotate(h);
+    if (following == kNone) spoke(to);
+    h = following == start ? kNone : following;
+  }
+}
+
+bool CollapseRepair::search(const Ring& ring, LatticeVertex& merged) {
+  const auto place_merged = [&] { mesh_->vertex(gone_) = mesh_->vertex(kept_) = merged; };
+  double share = kRelaxed;
+  lower(merged, ring, share, 1);
+  place_merged();
+  if (share > 1) {
+    for (const std::int32_t neighbour : ring.spokes) {
+      if (mesh_->kinds[static_cast<std::size_t>(neighbour)] != VertexKind::kFree) continue;
+      gather(neighbour);
+      LatticeVertex place = mesh_->vertex(neighbour);
+      double own = share;
+      if (!lower(place, ring_, own, kEnough)) continue;
+      put(neighbour, place);
+      moved_.push_back(neighbour);
+    }
+    share = kRelaxed;
+    lower(merged, ring, share, 1);
+    place_merged();
+  }
+  if (share > 1) return false;
+  return std::ranges::all_of(moved_, [this](std::int32_t neighbour) {
+    gather(neighbour);
+    return fit_->keeps(mesh_->vertex(neighbour), ring_);
+  });
+}
+
+bool CollapseRepair::run(HalfEdgeMesh& mesh, StarFit& fit, std::int32_t gone, std::int32_t kept, const Ring& ring,
+                         LatticeVertex& merged) {
+  mesh_ = &mesh;
+  fit_ = &fit;
+  gone_ = gone;
+  kept_ = kept;
+  journal_.clear();
+  moved_.clear();
+  if (!fit.unfolded(merged, ring)) return false;
+  const HeightRange range = fit.heights(merged, ring, kRelaxed);
+  if (range.empty()) return false;
+  merged.z = range.lowest + (range.highest - range.lowest) / 2;
+  put(gone, merged);
+  put(kept, merged);
+  if (search(ring, merged)) return true;
+  while (!journal_.empty()) {
+    mesh.vertex(journal_.back().vertex) = journal_.back().before;
+    journal_.pop_back();
+  }
+  return false;
+}
+
+}  // namespace tintree::simplify
