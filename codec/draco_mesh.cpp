@@ -3,49 +3,25 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <memory>
+#include <span>
 #include <utility>
 
 #include <draco/compression/decode.h>
 #include <draco/compression/encode.h>
 #include <draco/mesh/mesh.h>
 
+#include "codec/draco_stream.h"
+#include "codec/varint.h"
+
 namespace tintree::codec {
 namespace {
 
-constexpr auto kPayloadVersion = std::byte{2};
-/// What every stream of this encoder begins with (Draco bitstream 2.2, triangle mesh, Edgebreaker, no metadata): not
-/// stored.
-constexpr std::array<char, 11> kStreamHeader{'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0};
+constexpr auto kPayloadVersion = std::byte{3};
 /// Below this many vertices the fixed cost of the slow predictors can outweigh what they save.
 constexpr std::size_t kTrySmallCoder = 300;
 constexpr int kBestSpeed = 0;
 constexpr int kSmallSpeed = 5;
-
-void put_varint(std::vector<std::byte>& out, std::int64_t value) {
-  auto bits = (static_cast<std::uint64_t>(value) << 1) ^ static_cast<std::uint64_t>(value >> 63);
-  while (bits >= 0x80) {
-    out.push_back(static_cast<std::byte>(bits | 0x80));
-    bits >>= 7;
-  }
-  out.push_back(static_cast<std::byte>(bits));
-}
-
-/// Reads a zigzag varint and drops it from `bytes`; false when it is cut short.
-bool take_varint(std::span<const std::byte>& bytes, std::int64_t& value) {
-  std::uint64_t bits = 0;
-  for (int shift = 0; shift < 64 && !bytes.empty(); shift += 7) {
-    const auto b = static_cast<std::uint64_t>(bytes.front());
-    bytes = bytes.subspan(1);
-    bits |= (b & 0x7f) << shift;
-    if (b < 0x80) {
-      value = static_cast<std::int64_t>(bits >> 1) ^ -static_cast<std::int64_t>(bits & 1);
-      return true;
-    }
-  }
-  return false;
-}
 
 void fill(draco::Mesh& out, const TileMesh& mesh) {
   static_assert(sizeof(GridVertex) == 3 * sizeof(std::int32_t));
@@ -87,16 +63,11 @@ Expected<std::vector<std::byte>> DracoMesh::encode(const TileMesh& mesh) const {
     draco::EncoderBuffer other;
     if (encode_at(source, kSmallSpeed, other) && other.size() < buffer.size()) std::swap(buffer, other);
   }
-  if (buffer.size() < kStreamHeader.size() ||
-      !std::ranges::equal(kStreamHeader, std::span(buffer.data(), kStreamHeader.size()))) {
+  std::vector<std::byte> out{kPayloadVersion, static_cast<std::byte>(static_cast<std::int8_t>(mesh.xy_shift))};
+  put_signed_varint(out, mesh.z_offset);
+  if (!pack_draco_stream(std::as_bytes(std::span(buffer.data(), buffer.size())), out)) {
     return fail(ErrorCode::kBadData, "this version of Draco writes another bitstream than the format holds");
   }
-  std::vector<std::byte> out{kPayloadVersion, static_cast<std::byte>(static_cast<std::int8_t>(mesh.xy_shift))};
-  put_varint(out, mesh.z_offset);
-  const std::size_t head = out.size();
-  const std::size_t body = buffer.size() - kStreamHeader.size();
-  out.resize(head + body);
-  std::memcpy(out.data() + head, buffer.data() + kStreamHeader.size(), body);
   return out;
 }
 
@@ -107,13 +78,11 @@ Expected<TileMesh> DracoMesh::decode(std::span<const std::byte> bytes) const {
     return fail(ErrorCode::kBadData, "the payload has a version this program does not know");
   mesh.xy_shift = static_cast<std::int8_t>(bytes[1]);
   bytes = bytes.subspan(2);
-  if (!take_varint(bytes, mesh.z_offset)) return fail(ErrorCode::kBadData, "the payload is cut short");
-
-  std::vector<char> stream(kStreamHeader.begin(), kStreamHeader.end());
-  const auto* body = reinterpret_cast<const char*>(bytes.data());
-  stream.insert(stream.end(), body, body + bytes.size());
+  if (!take_signed_varint(bytes, mesh.z_offset)) return fail(ErrorCode::kBadData, "the payload is cut short");
+  std::vector<std::byte> stream;
+  if (!unpack_draco_stream(bytes, stream)) return fail(ErrorCode::kBadData, "the payload is damaged or cut short");
   draco::DecoderBuffer buffer;
-  buffer.Init(stream.data(), stream.size());
+  buffer.Init(reinterpret_cast<const char*>(stream.data()), stream.size());
   auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) return fail(ErrorCode::kBadData, "Draco refuses the payload");
   const std::unique_ptr<draco::Mesh> source = std::move(decoded).value();
