@@ -42,8 +42,9 @@ bool CollapseRepair::lower(LatticeVertex& place, const Ring& ring, double& share
   constexpr std::array<std::array<int, 2>, 8> kDirections{
       {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
   bool moved = try_lower(place, LatticeVertex{place}, ring, share, enough);
+  const int least = 1 << fit_->spec().coarse_bits;
   // On a lattice finer than the samples larger steps come first.
-  for (int step = 1 << fit_->spec().sub_bits; step >= 1; step /= 2) {
+  for (int step = std::max(1 << fit_->spec().sub_bits, least); step >= least; step /= 2) {
     for (int round = 0; round < kRounds; ++round) {
       bool better = false;
       for (const auto& [dx, dy] : kDirections) {

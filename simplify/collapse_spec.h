@@ -27,6 +27,7 @@ struct CollapseSpec {
   double line_bound_m = 0;  ///< The same along that line.
   double z_step_m = 0;      ///< Height of one z step; height 0 is z = 0.
   int sub_bits = 0;         ///< x and y count 2^-sub_bits samples.
+  int coarse_bits = 0;      ///< Vertices that move go to multiples of 2^coarse_bits lattice steps.
   double area_unit = 1;     ///< Area in cells that the quadrics' weights count as one.
   Effort effort = Effort::kFast;
 

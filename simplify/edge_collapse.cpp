@@ -151,8 +151,10 @@ bool EdgeCollapse::propose(Candidate& candidate) const {
       px = mx;
       py = my;
     }
-    candidate.position.x = static_cast<std::int32_t>(std::lround(px / fit_->lattice()));
-    candidate.position.y = static_cast<std::int32_t>(std::lround(py / fit_->lattice()));
+    const int coarse = spec_.coarse_bits;
+    const double step = std::ldexp(fit_->lattice(), coarse);
+    candidate.position.x = static_cast<std::int32_t>(std::lround(px / step)) << coarse;
+    candidate.position.y = static_cast<std::int32_t>(std::lround(py / step)) << coarse;
   }
   const double px = candidate.position.x * fit_->lattice();
   const double py = candidate.position.y * fit_->lattice();

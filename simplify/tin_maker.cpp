@@ -15,7 +15,42 @@ namespace {
 /// are a few samples large (docs/performance.md, What was tried).
 constexpr double kFineLattice = 0.25;
 
+/// Moving vertices keep to a lattice this fine beside the distance between the vertices that will be left: bytes fall
+/// by a quarter to a half bit a vertex and axis for each percent more of triangles (docs/performance.md).
+constexpr double kStepsPerSpacing = 6;
+/// About how many vertices of a start mesh end in one.
+constexpr double kStartVertices = 4;
+
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// Twice the mesh's area in lattice steps squared.
+double doubled_area(const HalfEdgeMesh& mesh) {
+  std::int64_t sum = 0;
+  for (std::int32_t h = 0; h < mesh.half_edge_count(); h += 3) {
+    if (!mesh.triangle_alive(h)) continue;
+    const LatticeVertex& a = mesh.vertex(mesh.origin(h));
+    const LatticeVertex& b = mesh.vertex(mesh.origin(h + 1));
+    const LatticeVertex& c = mesh.vertex(mesh.origin(h + 2));
+    sum += std::int64_t{c.x - a.x} * (b.y - a.y) - std::int64_t{b.x - a.x} * (c.y - a.y);
+  }
+  return static_cast<double>(sum);
+}
+
+/// The coarsest lattice that loses hardly anything over a start mesh, in binary digits over the mesh's own. None where
+/// a vertex that has to stay, on a border or at a hole, lies off it: then the tile could not be stored on it.
+int coarsest_lattice(const HalfEdgeMesh& mesh) {
+  std::int64_t live = 0;
+  std::uint32_t fixed = 1U << codec::kMaxXyShift;
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    if (!mesh.alive(v)) continue;
+    ++live;
+    const LatticeVertex& p = mesh.vertices[at(v)];
+    if (mesh.kinds[at(v)] >= VertexKind::kPinned) fixed |= static_cast<std::uint32_t>(p.x | p.y);
+  }
+  const double spacing = std::sqrt(kStartVertices * doubled_area(mesh) / 2 / static_cast<double>(live));
+  const int wanted = live == 0 ? 0 : static_cast<int>(std::floor(std::log2(spacing / kStepsPerSpacing)));
+  return std::clamp(wanted, 0, std::countr_zero(fixed));
+}
 
 }  // namespace
 
@@ -49,6 +84,7 @@ Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
   spec.bound_m = tested_bound_m(view_.surface(), layout_.cells(id), level.bound_m);
   spec.z_step_m = level.heights.step_m;
   spec.sub_bits = sub_bits;
+  spec.coarse_bits = coarsest_lattice(mesh_);
   spec.effort = effort_;
   const double scale = static_cast<double>(cells) / layout_.tile_cells;
   spec.area_unit = scale * scale;
