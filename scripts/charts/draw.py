@@ -3,29 +3,35 @@ import matplotlib
 
 matplotlib.use("svg")
 matplotlib.rcParams.update({
-    "svg.hashsalt": "tintree", "font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9, "xtick.labelsize": 8, "ytick.labelsize": 8,
+    "svg.hashsalt": "tintree", "svg.fonttype": "none", "font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9, "xtick.labelsize": 8, "ytick.labelsize": 8,
     "axes.grid": True, "grid.color": "#dddddd", "grid.linewidth": 0.6, "axes.edgecolor": "#888888", "axes.axisbelow": True,
 })
 
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from panels import points
 from pareto import front
 from series import SERIES
 
 PANEL_WIDTH, PANEL_HEIGHT, MARGIN = 3.1, 2.6, 1.15  # inches
-FRONT = {"color": "#bbbbbb", "linewidth": 5, "solid_capstyle": "round", "zorder": 1}
+LEAST_SPAN = 3  # of an axis, so that no difference looks larger than it is
+FRONT = {"color": "#cccccc", "linewidth": 4, "solid_capstyle": "round", "solid_joinstyle": "round", "zorder": 1}
 RING = {"marker": "o", "markersize": 10, "markerfacecolor": "none", "markeredgecolor": "black", "markeredgewidth": 0.8}
 
 
-def _plain_ticks(axis, limits):
+def _limits(low, high):
+    widen = max(1.0, LEAST_SPAN / (high / low)) ** 0.5
+    return low / widen, high * widen
+
+
+def _ticks(axis, limits):
     low, high = limits
     few = high / low > 300
     axis.set_major_locator(LogLocator(subs=(1.0,) if few else (1.0, 2.0, 5.0), numticks=12))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_formatter(NullFormatter())
+    axis.set_minor_locator(NullLocator())
 
 
 def _panel(axes, panel, by_series):
@@ -35,7 +41,7 @@ def _panel(axes, panel, by_series):
             axes.plot(*zip(*values), color=series.color, marker=series.marker, linestyle=series.line, markersize=5, linewidth=1.4, zorder=3)
     if panel.front:
         best = front([p for values in by_series.values() for p in values])
-        axes.plot(*zip(*best), **FRONT)
+        axes.plot(*zip(*best), drawstyle="steps-post", **FRONT)
         axes.plot(*zip(*best), linestyle="none", **RING, zorder=4)
     if panel.unity:
         axes.axhline(1, color="black", linewidth=1, zorder=2)
@@ -63,11 +69,12 @@ def _chart(chart, records, path):
         for axes, terrain in zip(row, terrains):
             by_series = points(panel, records, terrain)
             shown |= set(by_series)
-            if by_series:
-                _panel(axes, panel, by_series)
+            axes.set_visible(bool(by_series))
+            _panel(axes, panel, by_series)
         for axes in row:
-            _plain_ticks(axes.xaxis, axes.get_xlim())
-            _plain_ticks(axes.yaxis, axes.get_ylim())
+            axes.set(xlim=_limits(*axes.get_xlim()), ylim=_limits(*axes.get_ylim()))
+            _ticks(axes.xaxis, axes.get_xlim())
+            _ticks(axes.yaxis, axes.get_ylim())
     for axes, terrain in zip(grid[0], terrains):
         axes.set_title(terrain)
     _legend(figure, shown, any(panel.front for panel in chart.panels))
