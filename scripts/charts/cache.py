@@ -11,8 +11,9 @@ def file_digest(path):
 
 
 def key(programs, inputs, **what):
-    """Changes with the bytes of any program or input and with anything said in `what`; not with where the files lie."""
-    parts = {"programs": [file_digest(p) for p in programs], "inputs": [file_digest(p) for p in inputs], **what}
+    """Changes with the bytes of any program or input and with anything said in `what`; not with where the files lie.
+    A program may also be the name and version of a library."""
+    parts = {"programs": [p if isinstance(p, str) else file_digest(p) for p in programs], "inputs": [file_digest(p) for p in inputs], **what}
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:20]
 
 

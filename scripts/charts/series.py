@@ -4,10 +4,13 @@ Colours: Okabe and Ito's and Tol's, told apart by colour-blind readers; raster c
 #332288, #44AA99, #AA4499, #DDCC77."""
 from dataclasses import dataclass
 
+from osgeo import gdal
+
 from programs import BENCH, BIN, ROOT
 
 _METER = (BIN / "bench_rivals",)
 _SCRIPTS = ROOT / "scripts/benchmarks"
+_GDAL = f"GDAL {gdal.__version__}"
 
 
 @dataclass(frozen=True)
@@ -17,8 +20,10 @@ class Series:
     color: str
     marker: str
     options: tuple = ()
-    programs: tuple = ()  # files whose change makes the figures old
-    only: tuple = ()  # (data set, error in spacings) that it is measured at, where it is too slow for all
+    programs: tuple = ()  # files, and names of libraries with their versions, whose change makes the figures old
+    seconds: float = 3  # to expect of a measurement that was never made
+    terrains: tuple = ()  # measured on these alone, and
+    errors: tuple = ()  # at these errors alone (in sample spacings), where it is too slow for all
 
     @property
     def line(self):
@@ -30,16 +35,15 @@ def _tree(name, color, marker, *options):
     return Series(name, "tree", color, marker, options, programs)
 
 
-def _mesh(name, color, marker, *programs, only=()):
-    return Series(name, "mesh", color, marker, (), (*programs, *_METER), only)
+def _mesh(name, color, marker, *programs, **slow):
+    return Series(name, "mesh", color, marker, (), (*programs, *_METER), **slow)
 
 
 def _raster(name, color, marker):
-    return Series(name, "raster", color, marker, (), (_SCRIPTS / "raster_coders.py", _SCRIPTS / "fitting.py", *_METER))
+    return Series(name, "raster", color, marker, (), (_GDAL, _SCRIPTS / "raster_coders.py", _SCRIPTS / "fitting.py", *_METER))
 
 
 _NODE = (BENCH / "simplify.js", BENCH / "package-lock.json")
-_SLOW = (("moon", 0.5), ("california", 0.5))  # minutes each
 
 SERIES = [
     _tree("tintree fast", "#0072B2", "o", "--effort", "fast"),
@@ -47,9 +51,9 @@ SERIES = [
     _mesh("delatin", "#009E73", "^", *_NODE),
     _mesh("martini", "#E69F00", "v", *_NODE),
     _mesh("meshoptimizer", "#CC79A7", "D"),
-    _mesh("VTK greedy", "#56B4E9", "P", ROOT / "tests/bench/rivals/vtk_greedy.py"),
-    _mesh("OpenMesh", "#999933", "X", only=_SLOW),
-    _mesh("CGAL Lindstrom-Turk", "#882255", "*", only=_SLOW),
+    _mesh("VTK greedy", "#56B4E9", "P", ROOT / "tests/bench/rivals/vtk_greedy.py", seconds=12, errors=(0.2, 1, 4)),
+    _mesh("OpenMesh", "#999933", "X", seconds=140, terrains=("california",), errors=(0.5,)),
+    _mesh("CGAL Lindstrom-Turk", "#882255", "*", seconds=70, terrains=("california",), errors=(0.5,)),
     _raster("JPEG-LS", "#000000", "<"),
     _raster("JPEG 2000", "#555555", ">"),
     _raster("LERC_ZSTD", "#999999", "h"),

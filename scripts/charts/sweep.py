@@ -15,9 +15,7 @@ ERRORS = (0.1, 0.2, 0.5, 1, 2, 4)  # sample spacings
 PIXEL_ERRORS = (0.25, 0.5, 1, 2, 4, 8)
 VIEW_ERROR = 0.1  # of the views' tree, in sample spacings
 QUICK_ERRORS, QUICK_PIXEL_ERRORS = (0.5, 2), (1, 4)
-#: Seconds to expect of a measurement that has never been made.
-TYPICAL_SECONDS = {"level": 3, "frame": 1, "view": 1}
-SLOW_SECONDS = 100
+PICTURE_SECONDS = 1  # to expect of one that was never made
 
 
 @dataclass(frozen=True)
@@ -39,13 +37,19 @@ class Task:
         return f"{self.window.name}, {self.series.name}, {error}, {self.kind}"
 
 
+def _measured(series, window, spacings, quick):
+    if series.errors and (quick or spacings not in series.errors):
+        return False
+    return not series.terrains or window.name in series.terrains
+
+
 def tasks(found, kinds, quick):
     """All that the charts of these kinds of records show, over the windows `found`."""
     out = []
     for window in found:
         for series in SERIES:
             for spacings in QUICK_ERRORS if quick else ERRORS:
-                if series.only and (quick or (window.name, spacings) not in series.only):
+                if not _measured(series, window, spacings, quick):
                     continue
                 if {"level", "frame"} & kinds:
                     out.append(Task("level", window, series, spacings))
@@ -88,13 +92,13 @@ class Sweep:
         """As long as the same took with an older program, or as is typical."""
         name = task.name
         before = [r["wall_seconds"] for r in self.store.records.values() if all(r.get(k) == v for k, v in name.items())]
-        return before[-1] if before else SLOW_SECONDS if task.series.only else TYPICAL_SECONDS[task.kind]
+        return before[-1] if before else task.series.seconds if task.kind == "level" else PICTURE_SECONDS
 
     def run(self, planned):
         """Measures what is not in the store. Their records, in the plan's order, are in `done`, what failed in `failed`."""
         keys = {task: self.key(task) for task in planned}
         missing = [task for task in planned if self.store.get(keys[task]) is None]
-        missing.sort(key=lambda task: bool(task.series.only))  # the slow ones last
+        missing.sort(key=lambda task: task.series.seconds)  # the slow ones last
         expected = {task: self._expected_seconds(task) for task in missing}
         print(f"{len(planned)} measurements, {len(planned) - len(missing)} of them done before; about "
               f"{_duration(sum(expected.values()))}", file=sys.stderr)

@@ -72,6 +72,7 @@ class Key(Folder):
         self.file("dem", "a")
         self.assertEqual(key, cache.key([program], [dem], error=1.0))
         self.assertNotEqual(key, cache.key([self.file("program", "2")], [dem], error=1.0))
+        self.assertNotEqual(cache.key(["GDAL 3.6"], [dem]), cache.key(["GDAL 3.7"], [dem]))
 
 
 class Store(Folder):
@@ -163,9 +164,11 @@ class Resuming(Folder):
         self.assertEqual(self.run_sweep(program)[0], [5.0])
 
     def test_slow_rivals_are_measured_where_they_are_listed_alone(self):
-        slow = [t for t in sweep.tasks(WINDOWS, {"level"}, quick=False) if t.series.only]
-        self.assertEqual({(t.window.name, t.spacings) for t in slow}, {("moon", 0.5), ("california", 0.5)})
-        self.assertFalse([t for t in sweep.tasks(WINDOWS, {"level"}, quick=True) if t.series.only])
+        slow = Series("slow", "mesh", "#000000", "o", seconds=99, terrains=("california",), errors=(0.5, 1))
+        with mock.patch.object(sweep, "SERIES", [slow]):
+            full, quick = (sweep.tasks(WINDOWS, {"level"}, quick) for quick in (False, True))
+        self.assertEqual([(t.window.name, t.spacings) for t in full], [("california", 0.5), ("california", 1)])
+        self.assertEqual(quick, [])
 
 
 def canned_records():
