@@ -76,4 +76,8 @@ def main():
     sys.exit(1 if failed else 0)
 
 
-main()
+try:
+    main()
+except KeyboardInterrupt:
+    print("\nscripts/chart: stopped; the same command goes on from here", file=sys.stderr)
+    sys.exit(5)

@@ -6,7 +6,7 @@ import raster_coders
 import rivals
 import tintree
 from frames import frame
-from programs import BENCH, BIN, run
+from programs import BENCH, BIN, run, shown
 
 TREES = BENCH / "charts" / "trees"
 LENGTHS = ("asked_m", "samples_max_m", "surface_max_m", "rms_m")
@@ -35,7 +35,10 @@ def _mesh(series, raster, error_m, _):
 
 
 def _raster(series, raster, error_m, _):
-    return {"asked_m": error_m, **raster_coders.code(series.name, raster, error_m)}
+    figures = raster_coders.code(series.name, raster, error_m)
+    if raster.path.stem not in figures["command"]:
+        figures["command"] += f" of {shown(raster.path)}"
+    return {"asked_m": error_m, **figures}
 
 
 _LEVELS = {"tree": _tree, "mesh": _mesh, "raster": _raster}
