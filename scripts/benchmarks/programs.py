@@ -1,8 +1,10 @@
 """Runs programs and says what they cost."""
 import json
 import os
+import platform
 import shlex
 import subprocess
+import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,15 +33,44 @@ def shown(part):
     return str(path.relative_to(ROOT)) if path.is_absolute() and path.is_relative_to(ROOT) else str(part)
 
 
+def cpu_name():
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    return next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.machine())
+
+
+class _PeakWatch(threading.Thread):
+    """Looks at a process's largest memory every few milliseconds until it ends. What wait4 says of a child begins with
+    what its parent, this program, had."""
+
+    def __init__(self, pid):
+        super().__init__(daemon=True)
+        self.status, self.peak_bytes = Path(f"/proc/{pid}/status"), 0
+        self.start()
+
+    def run(self):
+        while (peak := self._peak()) is not None:
+            self.peak_bytes = peak
+            time.sleep(0.004)
+
+    def _peak(self):
+        try:
+            lines = self.status.read_text().splitlines()
+        except OSError:
+            return None
+        return next((int(line.split()[1]) * 1024 for line in lines if line.startswith("VmHWM")), None)
+
+
 def run(*parts):
     """Runs a program to its end; raises when it fails."""
     command = [str(p) for p in parts]
     text = shlex.join(shown(p) for p in command)
     start = time.monotonic()
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT) as process:
+        watch = _PeakWatch(process.pid)
         output = process.stdout.read()
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode != 0:
         raise RuntimeError(f"exit code {process.returncode}: {text}")
-    return Cost(text, output, time.monotonic() - start, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024)
+    watch.join()
+    return Cost(text, output, time.monotonic() - start, usage.ru_utime + usage.ru_stime, watch.peak_bytes)

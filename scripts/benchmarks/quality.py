@@ -30,7 +30,7 @@ def run(results, data, quick):
 def _rows(raster, error_m, slow_too):
     for effort, options in tintree.efforts().items():
         for cut, tile in CUTS.items():
-            yield f"tintree {effort}, {cut}", _ours(raster, error_m, [*options, *tile])
+            yield f"tintree {effort}, {cut}", leaf_level(raster, error_m, [*options, *tile])
     for rival in MESH_RIVALS:
         if rival.slow and not slow_too:
             continue
@@ -43,7 +43,7 @@ def _rows(raster, error_m, slow_too):
         yield name, code(name, raster, error_m)
 
 
-def _ours(raster, error_m, options):
+def leaf_level(raster, error_m, options):
     """The leaf level: its mesh by the common meter, its bytes as stored, its share of the whole processor time."""
     report, cost = tintree.build(raster, "--error", repr(error_m), "--threads", "1", *options)
     leaves = report["levels"][-1]
@@ -53,6 +53,7 @@ def _ours(raster, error_m, options):
         raise RuntimeError(f"two measures disagree: {measured['surface_max_m']} m here, {leaves['vertical_max_m']} m in the tree")
     share = leaves["thread_seconds"] / sum(level["thread_seconds"] for level in report["levels"])
     return {"asked_m": error_m, **measured, "bytes": leaves["bytes"], "seconds": share * cost.cpu_seconds,
+            "level": leaves["level"], "tree_bytes": report["payload_bytes"], "peak_rss_bytes": cost.peak_rss_bytes,
             "command": cost.command}
 
 

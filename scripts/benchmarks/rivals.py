@@ -53,4 +53,5 @@ def simplify(rival, raster, error_m):
     """One row: figures of the mesh that the rival makes when asked for this error."""
     mesh = CACHE / "rival.ply"
     cost = rival.make(raster, error_m, mesh)
-    return {"asked_m": error_m, **measure(raster, mesh, rival.height_step(error_m)), **cost.json(), "command": cost.command}
+    return {"asked_m": error_m, **measure(raster, mesh, rival.height_step(error_m)), **cost.json(), "peak_rss_bytes": cost.peak_rss_bytes,
+            "command": cost.command}

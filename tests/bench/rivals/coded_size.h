@@ -8,17 +8,23 @@
 
 namespace tintree::bench {
 
-/// Bytes of a mesh under the coder of tintree's own tiles, without loss: x, y on whole samples if all
-/// vertices lie there, else on eighths; heights on multiples of `height_step_m`. Fails where the mesh does
-/// not lie on that lattice.
-Expected<std::uint64_t> draco_bytes(const HeightGrid& grid, const TriangleMesh& mesh, double height_step_m);
+struct CodedMesh {
+  std::uint64_t bytes = 0;
+  double decode_seconds = 0;  ///< Least processor time of decoding.
+};
+
+/// A mesh under the coder of tintree's own tiles, without loss: x, y on whole samples if all vertices lie
+/// there, else on eighths; heights on multiples of `height_step_m`. Fails where the mesh does not lie on
+/// that lattice.
+Expected<CodedMesh> code_mesh(const HeightGrid& grid, const TriangleMesh& mesh, double height_step_m);
 
 /// A raster under JPEG-LS (CharLS) as one image whose samples are whole metres in 16 bits.
 struct CodedRaster {
   std::uint64_t bytes = 0;
   double max_error_m = 0;  ///< Of what was decoded again.
   double rms_m = 0;
-  double seconds = 0;  ///< Processor time of encoding.
+  double seconds = 0;         ///< Processor time of encoding.
+  double decode_seconds = 0;  ///< Least processor time of decoding.
 };
 
 /// Near-lossless within whole `error_m`; from 256 m on, which the format cannot say, lossless over

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <ctime>
+#include <limits>
 
 namespace tintree::bench {
 
@@ -21,5 +23,18 @@ class CpuClock {
   std::clock_t start_ = std::clock();
   std::clock_t paused_ = 0;
 };
+
+/// The least processor time of `work`, which is done at least three times and for a quarter of a second.
+template <class Work>
+double least_seconds(const Work& work) {
+  const CpuClock all;
+  double least = std::numeric_limits<double>::infinity();
+  for (int done = 0; done < 3 || all.seconds() < 0.25; ++done) {
+    const CpuClock once;
+    work();
+    least = std::min(least, once.seconds());
+  }
+  return least;
+}
 
 }  // namespace tintree::bench

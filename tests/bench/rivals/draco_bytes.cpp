@@ -5,6 +5,7 @@
 
 #include "codec/mesh_codec.h"
 #include "tests/bench/rivals/coded_size.h"
+#include "tests/bench/rivals/cpu_clock.h"
 
 namespace tintree::bench {
 namespace {
@@ -37,13 +38,15 @@ std::optional<codec::TileMesh> on_lattice(const HeightGrid& grid, const Triangle
 
 }  // namespace
 
-Expected<std::uint64_t> draco_bytes(const HeightGrid& grid, const TriangleMesh& mesh, double height_step_m) {
+Expected<CodedMesh> code_mesh(const HeightGrid& grid, const TriangleMesh& mesh, double height_step_m) {
   auto tile = on_lattice(grid, mesh, 0, height_step_m);
   if (!tile) tile = on_lattice(grid, mesh, -3, height_step_m);
   if (!tile) return fail(ErrorCode::kBadData, "a vertex lies off the lattice that was named", "--height-step");
-  const auto bytes = codec::find_codec("tin")->encode(*tile);
+  const codec::MeshCodec& codec = *codec::find_codec("tin");
+  const auto bytes = codec.encode(*tile);
   if (!bytes) return tl::unexpected(bytes.error());
-  return bytes->size();
+  if (const auto decoded = codec.decode(*bytes); !decoded) return tl::unexpected(decoded.error());
+  return CodedMesh{bytes->size(), least_seconds([&] { (void)codec.decode(*bytes); })};
 }
 
 }  // namespace tintree::bench
