@@ -82,7 +82,8 @@ def _coder(coder):
         except RuntimeError as error:  # GDAL's
             if isinstance(error, Failed):
                 raise
-            raise Failed("refused", str(error).splitlines()[-1], coder.__name__) from error
+            message = str(error) or gdal.GetLastErrorMsg() or "GDAL does not say why"
+            raise Failed("refused", message.splitlines()[-1], coder.__name__) from error
         if distance is not None:
             distance.astype(np.float32).tofile(error_map)
         return {"samples": figures["samples_max_m"] / error_m, "surface": figures["surface_max_m"] / error_m,
