@@ -1,7 +1,7 @@
 """Coders of the raster itself, one level, at a largest error. A coder is a row of RASTER_CODERS.
 
 Samples without data are coded as 0 and not measured. Heights that are not whole metres are coded in steps of an
-eighth of the error, but for LERC, which takes them as they are."""
+eighth of the error, or the largest share that 16 bits have room for; but for LERC, which takes them as they are."""
 import math
 import time
 from dataclasses import dataclass
@@ -14,7 +14,9 @@ from programs import CACHE, Failed
 from rivals import bench_rivals
 
 OUTPUT = "/vsimem/coded"
-STEPS_AN_ERROR = 8
+#: Steps of height an error; the last leaves rounding no more than the error.
+STEPS_AN_ERROR = (8, 2, 1, 0.501)
+RANGE = 2**16
 
 
 @dataclass(frozen=True)
@@ -31,14 +33,18 @@ class Lattice:
 
     def spare_steps(self, error_m):
         """How many steps a number may be off."""
-        return math.floor(error_m) if self.whole else STEPS_AN_ERROR - 1
+        return math.floor(error_m if self.whole else error_m / self.step_m - 0.5)
 
 
 def lattice(heights, error_m):
-    if np.array_equal(heights, np.rint(heights)) and np.abs(heights).max(initial=0) < 2**15:
+    """Raises Failed where 16 bits hold no lattice that is fine enough."""
+    if np.array_equal(heights, np.rint(heights)) and np.abs(heights).max(initial=0) < RANGE // 2:
         return Lattice(heights.astype(np.int64), 1.0, 0.0)
-    step, base = error_m / STEPS_AN_ERROR, float(heights.min())
-    return Lattice(np.rint((heights - base) / step).astype(np.int64), step, base)
+    base = float(heights.min())
+    for steps in STEPS_AN_ERROR:
+        if np.ptp(heights) * steps / error_m < RANGE - 1:
+            return Lattice(np.rint((heights - base) * (steps / error_m)).astype(np.int64), error_m / steps, base)
+    raise Failed("refused", "16 bits cannot hold heights so far apart within the error", "lattice")
 
 
 def _code(raster, numbers, kind, step_m, base_m, driver, options):
@@ -64,22 +70,22 @@ def _code(raster, numbers, kind, step_m, base_m, driver, options):
 
 
 def _block(side):
-    """Blocks of about 2048 without a sliver at the end."""
-    return math.ceil(side / math.ceil(side / 2100))
+    """Blocks of about 2048 without a sliver at the end; the driver takes none under 32."""
+    return max(32, math.ceil(side / math.ceil(side / 2100)))
 
 
 def jpeg2000(raster, error_m, key="samples_max_m"):
-    """The 9/7 wavelet, with a search for the rate (in percent of the raw bytes)."""
+    """The 9/7 wavelet, with a search for the rate (in percent of the raw bytes); 5/3 without loss where none will do."""
     columns, rows = raster.size
-    fixed = ["CODEC=J2K", "REVERSIBLE=NO", f"BLOCKXSIZE={_block(columns)}", f"BLOCKYSIZE={_block(rows)}"]
+    fixed = ["CODEC=J2K", f"BLOCKXSIZE={_block(columns)}", f"BLOCKYSIZE={_block(rows)}"]
     steps = lattice(raster.heights()[0], error_m)
-    kind = gdal.GDT_Int16 if steps.whole else gdal.GDT_UInt16 if steps.numbers.max() < 2**16 else gdal.GDT_UInt32
+    kind = gdal.GDT_Int16 if steps.whole else gdal.GDT_UInt16
 
-    def make(inverse_rate):
-        options = [*fixed, f"QUALITY={100 / inverse_rate:.6g}"]
+    def make(inverse_rate, reversible="NO"):
+        options = [*fixed, f"REVERSIBLE={reversible}", f"QUALITY={100 / inverse_rate:.6g}"]
         return _code(raster, steps.numbers, kind, steps.step_m, steps.base_m, "JP2OpenJPEG", options)
 
-    return largest_within(make, error_m, start=16, low=1, high=4000, steps=8, key=key)
+    return largest_within(make, error_m, start=16, low=1, high=4000, steps=8, key=key) or make(1, "YES")
 
 
 def jpeg2000_rms(raster, error_m):
@@ -97,8 +103,6 @@ def lerc(raster, error_m):
 
 def jpegls(raster, error_m):
     steps = lattice(raster.heights()[0], error_m)
-    if np.ptp(steps.numbers) >= 2**16 and (not steps.whole or error_m < 256):
-        raise Failed("refused", "more than 65 536 steps of height", "JPEG-LS")
     numbers = CACHE / "lattice.f64"
     steps.numbers.astype(np.float64).tofile(numbers)
     cost = bench_rivals(raster, "jpegls", steps.spare_steps(error_m), grid=numbers)
@@ -115,8 +119,6 @@ RASTER_CODERS = {"JPEG-LS": jpegls, "JPEG 2000": jpeg2000, "LERC_ZSTD": lerc}
 def coded(coder, raster, error_m):
     """One row, and the error of each sample where the coder says it. The decoded raster's surface errs most at its samples."""
     figures = coder(raster, error_m)
-    if figures is None:
-        raise Failed("refused", "no rate keeps within the error", coder.__name__)
     error_map = figures.pop("map", None)
     return {**figures, "surface_max_m": figures["samples_max_m"]}, error_map
 

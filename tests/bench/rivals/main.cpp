@@ -34,6 +34,10 @@ const std::map<std::string, Simplified (*)(const HeightGrid&, double)> kSimplifi
     {"meshoptimizer", meshoptimizer}, {"openmesh", openmesh}, {"lindstrom-turk", lindstrom_turk}};
 
 Expected<nlohmann::json> simplify(const HeightGrid& grid, const Options& o) {
+  if (full_mesh(grid).triangles.empty()) {
+    return tintree::fail(tintree::ErrorCode::kBadData, "no three samples of a cell are there: nothing to start from",
+                         o.grid);
+  }
   const Simplified made = kSimplifiers.at(o.method)(grid, o.error_m);
   if (auto written = write_ply(o.mesh, made.mesh); !written) return tl::unexpected(written.error());
   return nlohmann::json{{"seconds", made.seconds}};
