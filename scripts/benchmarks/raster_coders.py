@@ -36,9 +36,13 @@ class Lattice:
         return math.floor(error_m if self.whole else error_m / self.step_m - 0.5)
 
 
+def whole_metres(heights):
+    return np.array_equal(heights, np.rint(heights)) and np.abs(heights).max(initial=0) < RANGE // 2
+
+
 def lattice(heights, error_m):
     """Raises Failed where 16 bits hold no lattice that is fine enough."""
-    if np.array_equal(heights, np.rint(heights)) and np.abs(heights).max(initial=0) < RANGE // 2:
+    if whole_metres(heights):
         return Lattice(heights.astype(np.int64), 1.0, 0.0)
     base = float(heights.min())
     for steps in STEPS_AN_ERROR:
@@ -95,7 +99,7 @@ def jpeg2000_rms(raster, error_m):
 
 def lerc(raster, error_m):
     heights, _ = raster.heights()
-    whole = lattice(heights, error_m).whole
+    whole = whole_metres(heights)
     largest = math.floor(error_m) if whole else repr(error_m)
     options = ["COMPRESS=LERC_ZSTD", f"MAX_Z_ERROR={largest}", "ZSTD_LEVEL=22", "BLOCKYSIZE=256"]
     return _code(raster, heights, gdal.GDT_Int16 if whole else gdal.GDT_Float64, 1, 0, "GTiff", options)

@@ -88,9 +88,9 @@ Expected<SceneCounts> SceneCounter::count(const render::Camera& camera) const {
 
 std::vector<render::Camera> flight(const cache::TileBounds& bounds, int views) {
   constexpr double kDegree = std::numbers::pi / 180;
-  constexpr double kShallow = 12 * kDegree;
+  constexpr double kShallow = 20 * kDegree;
   constexpr double kSteep = 70 * kDegree;
-  constexpr double kHighest = 4;
+  constexpr double kHighest = 2;
   constexpr double kMostGain = 1.2;  // of Camera::vertical_gain() for pictures of this shape
   const codec::TreeLayout& layout = bounds.layout();
   const render::Camera blank;
@@ -106,8 +106,8 @@ std::vector<render::Camera> flight(const cache::TileBounds& bounds, int views) {
     const double pitch = kShallow + (kSteep - kShallow) * (0.5 - 0.5 * std::cos(2 * std::numbers::pi * 3 * share));
     const double height_m = lowest_m * std::pow(kHighest, 0.5 + 0.5 * std::cos(2 * std::numbers::pi * 2 * share));
     render::Camera camera = blank;
-    camera.eye = start + (end - start) * (0.05 + 0.7 * share) + glm::dvec3(0, 0, height_m);
-    camera.target = camera.eye + ahead * std::cos(pitch) - glm::dvec3(0, 0, std::sin(pitch));
+    camera.target = start + (end - start) * (0.2 + 0.6 * share);
+    camera.eye = camera.target - ahead * (height_m / std::tan(pitch)) + glm::dvec3(0, 0, height_m);
     out.push_back(camera);
   }
   return out;

@@ -43,8 +43,8 @@ class SceneCounter {
 };
 
 /// `views` cameras of a flight over the tree's ground from its north-west to its south-east corner, turning its gaze
-/// between 12 and 70 degrees below the horizon, from the height where the leaves' bound projects to a pixel to four
-/// times that.
+/// between 20 and 70 degrees below the horizon, from the height where the leaves' bound projects to a pixel to
+/// twice that.
 std::vector<render::Camera> flight(const cache::TileBounds& bounds, int views);
 
 }  // namespace tintree::bench
