@@ -5,14 +5,16 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LogNorm
+from PIL import Image
 
 import terrains
 from contenders import CONTENDERS
 
 WORST = 4
 OURS = next(c for c in CONTENDERS if c.name == "tintree best")
-CELL_IN, DPI = 1.25, 80
-#: White within half the claim, then ever darker; the claim itself is where the colour turns.
+CELL_IN, LEGEND_IN, DPI = 1.25, 0.3, 72
+PALETTE = 40  # colours of a sheet, to keep it small
+#: Blue within the claim, yellow to black beyond.
 SCALE = LogNorm(0.1, 1000)
 COLOURS = matplotlib.colors.LinearSegmentedColormap.from_list(
     "errors", [(0, "#ffffff"), (0.2499, "#9ecae1"), (0.25, "#fed976"), (0.5, "#f03b20"), (1, "#4a0010")])
@@ -28,6 +30,10 @@ def relief(heights, spacing_m):
     south, east = south / steep, east / steep
     shade = (1 + 0.7 * (east + south) / 2) / np.sqrt(1 + east**2 + south**2)
     return np.where(np.isnan(heights), np.nan, shade)
+
+
+def title(name, surface):
+    return f"{name}: {surface:.2f}" if surface <= 1 else f"{name}: {surface:.3g} x"
 
 
 def strip(picture, side=257):
@@ -54,17 +60,33 @@ def draw(path, members, data, map_of):
             if not file.exists():
                 continue
             errors = np.fromfile(file, np.float32).reshape(valid.shape) / rows[contender.name]["error_m"]
-            show(cell, strip(np.maximum(errors, 0.1)), f"{contender.name} {rows[contender.name]['surface']:.3g}", cmap=COLOURS, norm=SCALE)
+            show(cell, strip(np.maximum(errors, 0.1)), title(contender.name, rows[contender.name]["surface"]), cmap=COLOURS, norm=SCALE)
     for cell in grid.flat:
-        cell.set_axis_off()
-    figure.subplots_adjust(0.005, 0.005, 0.995, 1 - 0.17 / figure.get_figheight(), 0.05, 0.16)
-    figure.savefig(path, dpi=DPI, pil_kwargs={"optimize": True})
+        if not cell.images:
+            cell.set_axis_off()
+        cell.set_xticks([])
+        cell.set_yticks([])
+        plt.setp(cell.spines.values(), color="#b0b0b0", linewidth=0.5)
+    height_in = figure.get_figheight()
+    figure.subplots_adjust(0.005, LEGEND_IN / height_in, 0.995, 1 - 0.17 / height_in, 0.05, 0.16)
+    legend(figure, height_in)
+    figure.savefig(path, dpi=DPI)
     plt.close(figure)
+    with Image.open(path) as sheet:
+        small = sheet.convert("RGB").quantize(PALETTE, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    small.save(path, optimize=True)
 
 
-def show(cell, picture, title, **how):
+def legend(figure, height_in):
+    bar = figure.add_axes((0.3, (LEGEND_IN - 0.14) / height_in, 0.4, 0.08 / height_in))
+    figure.colorbar(matplotlib.cm.ScalarMappable(SCALE, COLOURS), cax=bar, orientation="horizontal")
+    bar.set_xticks([0.1, 1, 10, 100, 1000], ["0.1", "1", "10", "100", "1000 times the claim"])
+    bar.tick_params(labelsize=6, length=2, pad=1)
+
+
+def show(cell, picture, caption, **how):
     colours = matplotlib.colormaps[how["cmap"]] if isinstance(how["cmap"], str) else how["cmap"]
     colours = colours.copy()
     colours.set_bad("#d8d0c0")
     cell.imshow(picture, interpolation="nearest", **{**how, "cmap": colours})
-    cell.set_title(title, fontsize=6, pad=1.5)
+    cell.set_title(caption, fontsize=6, pad=1.5)

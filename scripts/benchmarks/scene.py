@@ -64,7 +64,7 @@ def tree_of(raster, error_m, *options):
     version = digest(BIN / "tintree-build", raster.path, options, repr(error_m))
     path = CACHE / f"{raster.path.stem}_{version}.tintree"
     if not path.exists():
-        run(BIN / "tintree-build", raster.path, "-o", path, "--error", repr(error_m), "--quiet", *options)
+        run(BIN / "tintree-build", raster.path, "-o", path, "--error", repr(error_m), "--quiet", "--overwrite", *options)
     return path
 
 
