@@ -72,10 +72,11 @@ def crop(data, name, columns=CROP_SIDE, rows=CROP_SIDE):
 
 
 def raw_heights(raster):
-    """The samples as 32-bit floats, for the programs that take an array."""
-    path = CACHE / f"{raster.path.stem}.f32"
+    """The samples as 64-bit floats, NaN for none, for the programs that take an array."""
+    path = CACHE / f"{raster.path.stem}.f64"
     if not path.exists():
-        raster.heights()[0].astype(np.float32).tofile(path)
+        heights, valid = raster.heights()
+        np.where(valid, heights.astype(np.float64), np.nan).tofile(path)
     return path
 
 

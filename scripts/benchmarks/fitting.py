@@ -2,8 +2,8 @@
 import math
 
 
-def largest_within(make, bound, start, low, high, steps):
-    """The best figures of `make(parameter)` whose samples_max_m is within `bound`, or None.
+def largest_within(make, bound, start, low, high, steps, key="samples_max_m"):
+    """The best figures of `make(parameter)` whose `key` is within `bound`, or None.
 
     The error must grow with the parameter, roughly. Interpolates in logarithms between the parameters known
     to be within and beyond, `steps` times at most, and stops where the bound is used to 2 %.
@@ -11,7 +11,7 @@ def largest_within(make, bound, start, low, high, steps):
     best, within, beyond, parameter = None, None, None, start
     for _ in range(steps):
         figures = make(parameter)
-        error = figures["samples_max_m"]
+        error = figures[key]
         if error <= bound:
             within, best = (parameter, error), figures
             if error > 0.98 * bound:

@@ -1,9 +1,12 @@
 """Runs programs and says what they cost."""
 import json
+import math
 import os
 import platform
 import shlex
+import signal
 import subprocess
+import tempfile
 import threading
 import time
 from dataclasses import dataclass
@@ -60,17 +63,42 @@ class _PeakWatch(threading.Thread):
         return next((int(line.split()[1]) * 1024 for line in lines if line.startswith("VmHWM")), None)
 
 
-def run(*parts):
-    """Runs a program to its end; raises when it fails."""
+class Failed(RuntimeError):
+    """A program ended otherwise than it should; `outcome` says how in a word or two, `message` in its own words."""
+
+    def __init__(self, outcome, message, command):
+        super().__init__(f"{outcome}: {command}\n{message}".strip())
+        self.outcome, self.message = outcome, message
+
+
+def _failure(exit_code, killed_after, errors, command):
+    if killed_after and -exit_code in (signal.SIGKILL, signal.SIGXCPU):
+        return Failed("time limit", f"not done after {killed_after:g} s of processor time", command)
+    lines = [line for line in errors.splitlines() if line.strip()]
+    if exit_code < 0:
+        return Failed("crashed", signal.Signals(-exit_code).name + "".join(f": {line}" for line in lines[-1:]), command)
+    return Failed("refused", lines[-1] if lines else f"exit code {exit_code}", command)
+
+
+def run(*parts, limit_s=None):
+    """Runs a program to its end; raises Failed when it fails, or takes more than limit_s of processor time."""
     command = [str(p) for p in parts]
     text = shlex.join(shown(p) for p in command)
+    limit = ["prlimit", f"--cpu={math.ceil(limit_s)}"] if limit_s else []
     start = time.monotonic()
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT) as process:
-        watch = _PeakWatch(process.pid)
-        output = process.stdout.read()
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode != 0:
-        raise RuntimeError(f"exit code {process.returncode}: {text}")
-    watch.join()
-    return Cost(text, output, time.monotonic() - start, usage.ru_utime + usage.ru_stime, watch.peak_bytes)
+    with tempfile.TemporaryFile("w+", errors="replace") as errors:
+        with subprocess.Popen(limit + command, stdout=subprocess.PIPE, stderr=errors, text=True, cwd=ROOT) as process:
+            peak = _PeakWatch(process.pid)
+            watch = threading.Timer(10 * limit_s, process.kill) if limit_s else None  # for those that wait for ever
+            if watch:
+                watch.start()
+            output = process.stdout.read()
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            if watch:
+                watch.cancel()
+        if process.returncode != 0:
+            errors.seek(0)
+            raise _failure(process.returncode, limit_s, errors.read(), text)
+    peak.join()
+    return Cost(text, output, time.monotonic() - start, usage.ru_utime + usage.ru_stime, peak.peak_bytes)

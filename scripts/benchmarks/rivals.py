@@ -6,26 +6,28 @@ from datasets import raw_heights
 from programs import BENCH, BIN, CACHE, ROOT, run
 
 
-def bench_rivals(raster, *parts):
+def bench_rivals(raster, *parts, grid=None, limit_s=None):
+    """`grid`: a file of other heights of the same shape."""
     columns, rows = raster.size
     dx, dy = raster.spacing_m
     shape = ["--columns", columns, "--rows", rows, "--dx", repr(dx), "--dy", repr(dy)]
-    return run(BIN / "bench_rivals", raw_heights(raster), *shape, *parts)
+    return run(BIN / "bench_rivals", grid or raw_heights(raster), *shape, *parts, limit_s=limit_s)
 
 
-def measure(raster, mesh, height_step_m):
+def measure(raster, mesh, height_step_m, error_map=None):
     """What the mesh's error really is, and its bytes under Draco on its own lattice (0: not coded)."""
-    return bench_rivals(raster, "measure", mesh, "--height-step", repr(height_step_m)).json()
+    into = ["--map", error_map] if error_map else []
+    return bench_rivals(raster, "measure", mesh, "--height-step", repr(height_step_m), *into).json()
 
 
 def _ours(method):
-    return lambda raster, error, mesh: bench_rivals(raster, "simplify", method, repr(error), mesh)
+    return lambda raster, error, mesh, limit_s=None: bench_rivals(raster, "simplify", method, repr(error), mesh, limit_s=limit_s)
 
 
 def _script(*start):
-    def make(raster, error, mesh):
+    def make(raster, error, mesh, limit_s=None):
         dx, dy = raster.spacing_m
-        return run(*start, raw_heights(raster), *raster.size, repr(dx), repr(dy), repr(error), mesh)
+        return run(*start, raw_heights(raster), *raster.size, repr(dx), repr(dy), repr(error), mesh, limit_s=limit_s)
 
     return make
 
@@ -33,7 +35,7 @@ def _script(*start):
 @dataclass(frozen=True)
 class MeshRival:
     name: str
-    make: Callable  # (raster, error asked in metres, PLY to write) -> Cost; prints {"seconds": ...}
+    make: Callable  # (raster, error asked in metres, PLY to write, limit_s) -> Cost; prints {"seconds": ...}
     fit: bool = False  # also ask for less until the true error at the samples is within the bound
     slow: bool = False  # measured at one error only, and not by --quick
     height_step: Callable = lambda error_m: 1.0  # vertices lie at samples, whose heights are whole metres

@@ -20,10 +20,11 @@ def missing_efforts():
 TREE = CACHE / "tree.tintree"
 
 
-def build(raster, *options):
+def build(raster, *options, limit_s=None):
     """Builds CACHE/tree.tintree; returns its JSON and its cost."""
     report = CACHE / "tree.json"
-    cost = run(BIN / "tintree-build", raster.path, "-o", TREE, "--overwrite", "--quiet", "--json", report, *options)
+    command = [BIN / "tintree-build", raster.path, "-o", TREE, "--overwrite", "--quiet", "--json", report, *options]
+    cost = run(*command, limit_s=limit_s)
     return json.loads(report.read_text()), cost
 
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
+#include <utility>
 
 namespace tintree::test {
 namespace {
@@ -53,6 +54,8 @@ std::vector<AdversarialTerrain> shapes() {
       {"saddle", "a saddle: planar along rows and columns, nowhere else", 129, 129,
        [](int c, int r) { return (c - 64) * (r - 64) / 32.0; }},
       {"saddles", "a saddle in every 16 cells", 65, 65, [](int c, int r) { return (c % 16 - 8) * (r % 16 - 8) / 4.0; }},
+      {"ridges", "knife-edged ridges along no direction of the grid", 129, 129,
+       [](int c, int r) { return 6 * std::abs(std::remainder(c + 0.4 * r, 16)); }},
       {"hills", "smooth over all", 257, 257, [](int c, int r) { return hills(c, r, 40); }},
       {"far_above", "hills high up", 65, 65, [](int c, int r) { return 8000 + hills(c, r); }},
       {"ribbon", "many tiles in a row, each cut", 1000, 7, rough_hills(20, 2, 0.01)},
@@ -127,8 +130,15 @@ std::vector<AdversarialTerrain> extremes() {
 const std::vector<AdversarialTerrain>& adversarial_terrains() {
   static const std::vector<AdversarialTerrain> all = [] {
     std::vector<AdversarialTerrain> out;
-    for (auto& group : {planes_and_edges(), shapes(), holes(), extremes()})
-      std::ranges::copy(group, std::back_inserter(out));
+    for (const auto& [family, terrains] : {std::pair{"planes", planes_and_edges()},
+                                           {"shapes", shapes()},
+                                           {"holes", holes()},
+                                           {"extremes", extremes()}}) {
+      for (AdversarialTerrain t : terrains) {
+        t.family = family;
+        out.push_back(std::move(t));
+      }
+    }
     return out;
   }();
   return all;

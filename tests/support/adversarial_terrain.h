@@ -19,6 +19,7 @@ struct AdversarialTerrain {
   double spacing = 1;    ///< Pixel size in the units of the CRS.
   int epsg = 32610;      ///< 4326 counts in degrees; 0: no CRS.
   bool everyday = true;  ///< Spacing 1 m and heights that every error from 1 cm to 1 km suits.
+  std::string family{};  ///< planes, shapes, holes or extremes.
 
   /// By its name, in the names of tests.
   friend std::ostream& operator<<(std::ostream& out, const AdversarialTerrain& t) { return out << t.name; }

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   constexpr int kIo = 4;
   if (argc == 1) {
     for (const AdversarialTerrain& t : adversarial_terrains()) {
-      fmt::print("{:<22} {:>4} x {:<4} {}\n", t.name, t.columns, t.rows, t.about);
+      fmt::print("{:<22} {:<8} {:>4} x {:<4} {}\n", t.name, t.family, t.columns, t.rows, t.about);
     }
     return 0;
   }

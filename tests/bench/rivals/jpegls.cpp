@@ -22,7 +22,7 @@ Expected<CodedRaster> jpegls(const HeightGrid& grid, int error_m) try {
   const auto lowest = static_cast<int>(*std::ranges::min_element(grid.heights_m));
   std::vector<std::uint16_t> samples;
   samples.reserve(grid.heights_m.size());
-  for (const float h : grid.heights_m) {
+  for (const double h : grid.heights_m) {
     samples.push_back(static_cast<std::uint16_t>((static_cast<int>(h) - lowest + step / 2) / step));
   }
 

@@ -1,9 +1,11 @@
 /// bench_rivals: other people's simplifiers and coders over one window, and the meter for all of them.
-/// Heights are a file of 32-bit floats, meshes are PLY; figures are printed as one line of JSON.
+/// Heights are a file of 64-bit floats, NaN for none, meshes are PLY; figures are printed as one line of JSON.
 
 #include <cstdint>
+#include <fstream>
 #include <map>
 #include <string>
+#include <vector>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -25,15 +27,28 @@ struct Options {
   std::string mesh;
   double error_m = 0;
   double height_step_m = 1;
+  std::string map;
 };
 
 const std::map<std::string, Simplified (*)(const HeightGrid&, double)> kSimplifiers{
     {"meshoptimizer", meshoptimizer}, {"openmesh", openmesh}, {"lindstrom-turk", lindstrom_turk}};
 
 Expected<nlohmann::json> simplify(const HeightGrid& grid, const Options& o) {
+  if (full_mesh(grid).triangles.empty()) {
+    return tintree::fail(tintree::ErrorCode::kBadData, "no three samples of a cell are there: nothing to start from",
+                         o.grid);
+  }
   const Simplified made = kSimplifiers.at(o.method)(grid, o.error_m);
   if (auto written = write_ply(o.mesh, made.mesh); !written) return tl::unexpected(written.error());
   return nlohmann::json{{"seconds", made.seconds}};
+}
+
+Expected<void> write_map(const std::string& path, const std::vector<float>& map_m) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(map_m.data()), static_cast<std::streamsize>(map_m.size() * sizeof(float)));
+  file.close();
+  if (!file) return tintree::fail(tintree::ErrorCode::kIo, "cannot be written", path);
+  return {};
 }
 
 Expected<nlohmann::json> measure_file(const HeightGrid& grid, const Options& o) {
@@ -46,7 +61,11 @@ Expected<nlohmann::json> measure_file(const HeightGrid& grid, const Options& o) 
                      {"surface_max_m", error.surface_max_m},
                      {"rms_m", error.rms_m},
                      {"uncovered_samples", error.uncovered},
+                     {"filled_samples", error.filled},
                      {"folded_triangles", error.folded}};
+  if (!o.map.empty()) {
+    if (auto written = write_map(o.map, error.map_m); !written) return tl::unexpected(written.error());
+  }
   if (o.height_step_m > 0) {
     const auto coded = code_mesh(grid, *mesh, o.height_step_m);
     if (!coded) return tl::unexpected(coded.error());
@@ -83,7 +102,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Other simplifiers and coders over one window of heights, and what their error really is",
                "bench_rivals"};
   Options o;
-  app.add_option("GRID", o.grid, "Heights in metres, 32-bit floats, row by row from the north")->required();
+  app.add_option("GRID", o.grid, "Heights in metres, 64-bit floats, row by row from the north")->required();
   app.add_option("--columns", o.shape.columns)->required();
   app.add_option("--rows", o.shape.rows)->required();
   app.add_option("--dx", o.shape.dx_m, "Spacing eastward in metres");
@@ -97,6 +116,7 @@ int main(int argc, char** argv) {
   CLI::App* meter = app.add_subcommand("measure", "Measure a mesh and code it");
   meter->add_option("MESH", o.mesh)->required();
   meter->add_option("--height-step", o.height_step_m, "Heights are multiples of this many metres; 0: do not code");
+  meter->add_option("--map", o.map, "File to write: for each sample the largest distance around it, 32-bit floats");
   CLI::App* coder = app.add_subcommand("jpegls", "Code the heights, near-lossless");
   coder->add_option("ERROR", o.error_m, "Metres, a whole number")->required();
 

@@ -24,9 +24,35 @@ Point between(const Point& a, const Point& b, double t) {
 
 double snapped(double v) { return std::abs(v - std::round(v)) < kOnLine ? std::round(v) : v; }
 
+/// A sample that no triangle of the surface has for a corner is no part of it.
+HeightGrid without_lone_samples(const HeightGrid& grid) {
+  HeightGrid out{grid.columns, grid.rows, grid.dx_m, grid.dy_m, {}};
+  out.heights_m.assign(grid.heights_m.size(), std::numeric_limits<double>::quiet_NaN());
+  const auto keep = [&](int column, int row) {
+    const auto i =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns) + static_cast<std::size_t>(column);
+    out.heights_m[i] = grid.heights_m[i];
+  };
+  for (int row = 0; row + 1 < grid.rows; ++row) {
+    for (int column = 0; column + 1 < grid.columns; ++column) {
+      const bool lower = grid.has_lower(column, row);
+      const bool upper = grid.has_upper(column, row);
+      if (lower || upper) keep(column, row), keep(column + 1, row + 1);
+      if (lower) keep(column, row + 1);
+      if (upper) keep(column + 1, row);
+    }
+  }
+  return out;
+}
+
 class Meter {
  public:
-  explicit Meter(const HeightGrid& grid) : grid_(grid), distance_m_(grid.heights_m.size(), kUncovered) {}
+  explicit Meter(const HeightGrid& grid)
+      : grid_(without_lone_samples(grid)),
+        distance_m_(grid.heights_m.size(), kUncovered),
+        filled_(grid.heights_m.size()) {
+    error_.map_m.assign(grid.heights_m.size(), std::numeric_limits<float>::quiet_NaN());
+  }
 
   void add(const Corners& t) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -43,14 +69,17 @@ class Meter {
     MeshError out = error_;
     double squares = 0;
     std::uint64_t covered = 0;
-    for (const double d : distance_m_) {
+    for (std::size_t i = 0; i < distance_m_.size(); ++i) {
+      const double d = distance_m_[i];
+      if (filled_[i]) ++out.filled;
       if (d == kUncovered) continue;
       ++covered;
       squares += d * d;
       out.samples_max_m = std::max(out.samples_max_m, d);
     }
     out.surface_max_m = std::max(out.surface_max_m, out.samples_max_m);
-    out.uncovered = distance_m_.size() - covered;
+    const auto missing = std::ranges::count_if(grid_.heights_m, [](double height) { return std::isnan(height); });
+    out.uncovered = distance_m_.size() - static_cast<std::uint64_t>(missing) - covered;
     out.rms_m = covered == 0 ? 0 : std::sqrt(squares / static_cast<double>(covered));
     return out;
   }
@@ -58,11 +87,23 @@ class Meter {
  private:
   static constexpr double kUncovered = -1;
 
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.columns) + static_cast<std::size_t>(column);
+  }
+
+  void into_map(int column, int row, double distance) {
+    float& slot = error_.map_m[index(column, row)];
+    if (!(slot >= distance)) slot = static_cast<float>(distance);
+  }
+
   void at(const Point& p) {
     const double column = snapped(p.column);
     const double row = snapped(p.row);
     if (column < 0 || row < 0 || column > grid_.columns - 1 || row > grid_.rows - 1) return;
-    error_.surface_max_m = std::max(error_.surface_max_m, std::abs(p.z_m - grid_.surface(column, row)));
+    const double distance = std::abs(p.z_m - grid_.surface(column, row));
+    if (std::isnan(distance)) return;
+    error_.surface_max_m = std::max(error_.surface_max_m, distance);
+    into_map(static_cast<int>(std::lround(column)), static_cast<int>(std::lround(row)), distance);
   }
 
   /// The edge where it crosses the grid's columns, rows and diagonals.
@@ -114,14 +155,19 @@ class Meter {
     for (int column = first; column <= last; ++column) {
       const double t = width > 0 ? std::clamp((column - west.column) / width, 0.0, 1.0) : 0;
       const double distance = std::abs(between(west, east, t).z_m - grid_.at(column, row));
-      double& slot = distance_m_[static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.columns) +
-                                 static_cast<std::size_t>(column)];
+      if (std::isnan(distance)) {
+        filled_[index(column, row)] = true;
+        continue;
+      }
+      double& slot = distance_m_[index(column, row)];
       slot = std::max(slot, distance);
+      into_map(column, row, distance);
     }
   }
 
-  const HeightGrid& grid_;
+  const HeightGrid grid_;
   std::vector<double> distance_m_;
+  std::vector<bool> filled_;
   MeshError error_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,7 @@ namespace {
 HeightGrid rough_grid(int columns, int rows) {
   HeightGrid grid{columns, rows, 3, 5, {}};
   std::mt19937 random(4);
-  std::uniform_real_distribution<float> height(-20, 20);
+  std::uniform_real_distribution<double> height(-20, 20);
   for (int i = 0; i < columns * rows; ++i) grid.heights_m.push_back(height(random));
   return grid;
 }
@@ -52,9 +53,9 @@ double height_of(const HeightGrid& grid, const TriangleMesh& mesh, double column
 TEST(MeshError, IsNoneForTheSurfaceItself) {
   const HeightGrid grid = rough_grid(13, 9);
   const MeshError error = measure(grid, full_mesh(grid));
-  EXPECT_EQ(error.samples_max_m, 0);
+  EXPECT_LT(error.samples_max_m, 1e-12);
   EXPECT_LT(error.surface_max_m, 1e-12);
-  EXPECT_EQ(error.rms_m, 0);
+  EXPECT_LT(error.rms_m, 1e-12);
   EXPECT_EQ(error.uncovered, 0U);
   EXPECT_EQ(error.folded, 0U);
 }
@@ -96,7 +97,7 @@ TEST(MeshError, SeesWhatLiesBetweenTheSamples) {
   other.vertices = {at(grid, 0, 0, 0), at(grid, 0, 1, 10), at(grid, 1, 1, 0), at(grid, 1, 0, 10)};
   other.triangles = {{0, 1, 3}, {1, 2, 3}};
   const MeshError error = measure(grid, other);
-  EXPECT_EQ(error.samples_max_m, 0);
+  EXPECT_LT(error.samples_max_m, 1e-12);
   EXPECT_DOUBLE_EQ(error.surface_max_m, 10);
 }
 
@@ -109,6 +110,54 @@ TEST(MeshError, CountsUncoveredSamplesAndFoldedTriangles) {
   const MeshError error = measure(grid, mesh);
   EXPECT_GT(error.uncovered, 0U);
   EXPECT_LT(error.uncovered, grid.heights_m.size());
+}
+
+/// A grid of rough heights where one sample is missing, one stands alone, and a corner has lost a triangle.
+HeightGrid holed_grid() {
+  HeightGrid grid = rough_grid(9, 8);
+  const auto lose = [&](int column, int row) {
+    grid.heights_m[static_cast<std::size_t>(row * 9 + column)] = std::nan("");
+  };
+  lose(4, 4);
+  lose(0, 0);
+  for (const auto& [column, row] : {std::pair{6, 6}, {7, 6}, {8, 6}, {7, 7}, {6, 7}})
+    lose(column, row);  // (8, 7) is alone
+  return grid;
+}
+
+TEST(MeshError, IsNoneForASurfaceWithHoles) {
+  const HeightGrid grid = holed_grid();
+  const MeshError error = measure(grid, full_mesh(grid));
+  EXPECT_LT(error.samples_max_m, 1e-12);
+  EXPECT_LT(error.surface_max_m, 1e-12);
+  EXPECT_EQ(error.uncovered, 0U);
+  EXPECT_EQ(error.filled, 0U);
+}
+
+TEST(MeshError, CountsWhatIsCoveredBeyondTheSurface) {
+  const HeightGrid grid = holed_grid();
+  const TriangleMesh mesh = fan(grid, 5.25, 3.75, 30);
+  const MeshError error = measure(grid, mesh);
+  EXPECT_EQ(error.uncovered, 0U);
+  EXPECT_EQ(error.filled, 8U);  // seven missing, and the one that stands alone
+
+  // The same heights without holes: errors within the surface are the same, those in the holes were not counted.
+  const MeshError whole = measure(rough_grid(9, 8), mesh);
+  double worst = 0;
+  for (std::size_t i = 0; i < grid.heights_m.size(); ++i) {
+    EXPECT_LE(error.map_m[i] > 0 ? error.map_m[i] : 0, whole.map_m[i]) << i;
+    if (error.map_m[i] > worst) worst = error.map_m[i];
+  }
+  EXPECT_NEAR(worst, error.surface_max_m, 1e-5);
+}
+
+TEST(MeshError, CountsWhatIsNotCovered) {
+  const HeightGrid grid = holed_grid();
+  TriangleMesh mesh = full_mesh(grid);
+  std::erase_if(mesh.triangles, [&](const auto& t) {
+    return std::ranges::any_of(t, [&](std::uint32_t v) { return mesh.vertices[v][0] > 7.5 * grid.dx_m; });
+  });
+  EXPECT_EQ(measure(grid, mesh).uncovered, 6U);  // the last column down to the hole
 }
 
 }  // namespace

@@ -25,11 +25,11 @@ TriangleMesh full_mesh(const HeightGrid& grid) {
     for (int column = 0; column + 1 < grid.columns; ++column) {
       const auto nw = static_cast<std::uint32_t>(row * grid.columns + column);
       const auto sw = nw + static_cast<std::uint32_t>(grid.columns);
-      mesh.triangles.push_back({nw, sw, sw + 1});
-      mesh.triangles.push_back({nw, sw + 1, nw + 1});
+      if (grid.has_lower(column, row)) mesh.triangles.push_back({nw, sw, sw + 1});
+      if (grid.has_upper(column, row)) mesh.triangles.push_back({nw, sw + 1, nw + 1});
     }
   }
-  return mesh;
+  return grid.has_holes() ? compacted(mesh) : mesh;
 }
 
 TriangleMesh compacted(const TriangleMesh& mesh) {

@@ -16,7 +16,7 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Counter-clockwise seen from above.
 };
 
-/// The reference surface itself, two triangles a cell: what mesh simplifiers start from.
+/// The reference surface itself, up to two triangles a cell: what mesh simplifiers start from.
 TriangleMesh full_mesh(const HeightGrid& grid);
 
 /// Without the vertices that no triangle uses.

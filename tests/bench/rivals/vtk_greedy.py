@@ -1,5 +1,5 @@
-"""VTK's greedy terrain decimation over a window of 32-bit float heights, on its grid of unit spacing (in metres
-it leaves triangles without area).
+"""VTK's greedy terrain decimation over a window of 64-bit float heights, on its grid of unit spacing (in metres it
+leaves triangles without area). It knows no holes and is given 0 there.
 
 usage: vtk_greedy.py GRID COLUMNS ROWS DX DY ERROR MESH
 Writes a PLY mesh of doubles and prints the processor seconds of the simplification.
@@ -44,7 +44,7 @@ def write_ply(path, vertices, triangles):
 def main():
     grid, columns, rows = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
     dx, dy, error = map(float, sys.argv[4:7])
-    heights = np.fromfile(grid, np.float32).reshape(rows, columns)
+    heights = np.nan_to_num(np.fromfile(grid).reshape(rows, columns))
     before = time.process_time()
     mesh = decimate(heights, error)
     seconds = time.process_time() - before

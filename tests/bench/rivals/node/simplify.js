@@ -1,5 +1,5 @@
 // usage: node simplify.js METHOD GRID COLUMNS ROWS DX DY ERROR MESH
-// delatin and martini over a window of 32-bit float heights, within ERROR metres as they understand it;
+// delatin and martini over a window of 64-bit float heights, within ERROR metres as they understand it;
 // writes a PLY mesh of doubles and prints the processor seconds of the simplification.
 import fs from 'node:fs';
 
@@ -13,14 +13,19 @@ const makers = {
     });
   },
   async martini(heights, columns, rows, error) {
-    if (columns !== rows) throw new Error('martini takes squares of 2^k + 1 samples');
     const { default: Martini } = await import('@mapbox/martini');
+    // It takes squares of 2^k + 1 samples: the last column and row are repeated up to there.
+    const side = 2 ** Math.ceil(Math.log2(Math.max(columns, rows) - 1)) + 1;
+    const square = Float64Array.from({ length: side * side }, (_, i) =>
+      heights[repeated(i % side, columns) + repeated(Math.floor(i / side), rows) * columns]);
     return timed(() => {
-      const { vertices, triangles } = new Martini(columns).createTile(heights).getMesh(error);
+      const { vertices, triangles } = new Martini(side).createTile(square).getMesh(error);
       return { corners: vertices, triangles };
     });
   },
 };
+
+const repeated = (k, count) => Math.min(k, count - 1);
 
 function timed(work) {
   const before = process.cpuUsage();
@@ -29,7 +34,7 @@ function timed(work) {
   return { ...made, seconds: (user + system) / 1e6 };
 }
 
-function plyOf(heights, columns, dx, dy, corners, triangles) {
+function plyOf(heights, columns, rows, dx, dy, corners, triangles) {
   const vertices = corners.length / 2;
   const faces = triangles.length / 3;
   const header = Buffer.from(
@@ -41,7 +46,8 @@ function plyOf(heights, columns, dx, dy, corners, triangles) {
   let at = 0;
   for (let i = 0; i < vertices; ++i) {
     const [column, row] = [corners[2 * i], corners[2 * i + 1]];
-    for (const value of [column * dx, -row * dy, heights[row * columns + column]]) at = body.writeDoubleLE(value, at);
+    const height = heights[repeated(row, rows) * columns + repeated(column, columns)];
+    for (const value of [column * dx, -row * dy, height]) at = body.writeDoubleLE(value, at);
   }
   for (let i = 0; i < triangles.length; i += 3) {
     at = body.writeUInt8(3, at);
@@ -59,7 +65,8 @@ function counterClockwise(corners, [a, b, c]) {
 const [method, grid, ...rest] = process.argv.slice(2);
 const [columns, rows, dx, dy, error] = rest.slice(0, 5).map(Number);
 const bytes = fs.readFileSync(grid);
-const heights = new Float32Array(bytes.buffer, bytes.byteOffset, bytes.length / 4);
+// They know no holes.
+const heights = new Float64Array(bytes.buffer, bytes.byteOffset, bytes.length / 8).map((h) => (Number.isNaN(h) ? 0 : h));
 const { corners, triangles, seconds } = await makers[method](heights, columns, rows, error);
-fs.writeFileSync(rest[5], plyOf(heights, columns, dx, dy, corners, triangles));
+fs.writeFileSync(rest[5], plyOf(heights, columns, rows, dx, dy, corners, triangles));
 console.log(JSON.stringify({ seconds }));
