@@ -82,11 +82,23 @@ Expected<ViewOptions> read_options(const CommandLine& line) {
   out.tree = line.tree;
   out.pixel_error = line.pixel_error;
   out.screenshot = line.screenshot;
+  out.flight = line.flight;
+  out.frames = line.frames;
+  out.fps = line.fps;
+  out.real_time = line.real_time;
   out.json = line.json;
   out.quiet = line.quiet;
   if (!std::isfinite(line.pixel_error) || line.pixel_error < 0) {
     return fail(ErrorCode::kUsage, "wants a number of pixels, 0 or more", "--pixel-error");
   }
+  if (!(line.fps > 0 && line.fps <= 10000))
+    return fail(ErrorCode::kUsage, "wants frames a second, more than 0 and at most 10000", "--fps");
+  if (!line.frames.empty() && line.flight.empty())
+    return fail(ErrorCode::kUsage, "wants a --flight to take frames of; for one picture use --screenshot", "--frames");
+  if (!line.frames.empty() && line.real_time)
+    return fail(ErrorCode::kUsage, "writes every frame and takes its time; leave out --real-time", "--frames");
+  if (!line.flight.empty() && !line.screenshot.empty())
+    return fail(ErrorCode::kUsage, "is one picture; leave out --flight, or take --frames of it", "--screenshot");
   if (line.headless == "egl") out.headless = render::Headless::kEgl;
   if (line.headless == "osmesa") out.headless = render::Headless::kOsMesa;
   if (!line.headless.empty() && !out.headless) return fail(ErrorCode::kUsage, "wants egl or osmesa", "--headless");

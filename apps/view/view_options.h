@@ -19,6 +19,10 @@ struct CommandLine {
   std::string screenshot;
   std::string eye;  ///< "X,Y,Z"
   std::string target;
+  std::string flight;
+  std::string frames;
+  double fps = 30;
+  bool real_time = false;
   std::string json;
   bool quiet = false;
 };
@@ -33,6 +37,10 @@ struct ViewOptions {
   std::string screenshot;                    ///< Path of a picture to write; empty for none.
   std::optional<glm::dvec3> eye;             ///< World frame, metres.
   std::optional<glm::dvec3> target;
+  std::string flight;  ///< Path of a flight to play; empty for none.
+  std::string frames;  ///< Folder for its frames; empty for none.
+  double fps = 30;
+  bool real_time = false;  ///< The clock leads the camera, not the frame's number.
   std::string json;
   bool quiet = false;
 };
