@@ -12,7 +12,7 @@ of that file is one figure in the charts, with the command that made it. Times a
 [performance.md](../performance.md).
 
 Errors are vertical and measured, not those asked for: of meshes by one meter (`tests/bench/rivals/mesh_error.h`), of rasters by
-decoding them. tintree's leaves are its default tiles, with the borders that they share. Grey rings: no other has both a smaller
+decoding them. tintree's leaves are its default tiles, with the borders that they share. Black rings: no other has both a smaller
 error and a smaller figure.
 
 | terrain | what |
