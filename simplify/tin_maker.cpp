@@ -15,8 +15,8 @@ namespace {
 /// are a few samples large (docs/performance.md, What was tried).
 constexpr double kFineLattice = 0.25;
 
-/// Moving vertices keep to a lattice this fine beside the distance between the vertices that will be left: bytes fall
-/// by a quarter to a half bit a vertex and axis for each percent more of triangles (docs/performance.md).
+/// Moving vertices keep to a lattice at least this much finer than the distance between the vertices that will be left
+/// (docs/performance.md, What was tried).
 constexpr double kStepsPerSpacing = 6;
 /// About how many vertices of a start mesh end in one.
 constexpr double kStartVertices = 4;

@@ -64,6 +64,24 @@ TEST(TinMaker, KeepsItsPromisesInDoublePrecision) {
   expect_sound_tree(test::make_exact_terrain(385, 65, height), 64, 0.1);
 }
 
+TEST(TinMaker, TakesACoarseLatticeWhereTrianglesAreLarge) {
+  const auto swell = [](int c, int r) { return 20 * std::sin(c / 40.0) * std::cos(r / 40.0); };
+  for (const bool rough : {false, true}) {
+    const auto noise = test::rough_hills(10, 1, 0);
+    const Terrain terrain =
+        test::make_terrain(257, 257, [&](int c, int r) { return swell(c, r) + (rough ? noise(c, r) : 0); });
+    const codec::TreeLayout layout = test::make_layout(terrain, 256, 1);
+    TinMaker maker(*terrain.surface, layout);
+    const TileMesh mesh = make(maker, {0, 0, 0});
+    test::expect_sound_tile(terrain.grid, layout, {0, 0, 0}, mesh);
+    if (rough) {
+      EXPECT_EQ(mesh.xy_shift, 0);
+    } else {
+      EXPECT_GE(mesh.xy_shift, 1);
+    }
+  }
+}
+
 TEST(TinMaker, LeavesTwoTrianglesOfAPlane) {
   for (const double slope : {0.0, 0.25, 8.0}) {
     const Terrain terrain = test::make_terrain(257, 257, [=](int c, int r) { return slope * c - 2 * slope * r + 3; });
