@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "cache/tile_pictures.h"
 #include "codec/grid_frame.h"
 #include "codec/tile_id.h"
 #include "codec/tile_mesh.h"
@@ -31,9 +32,11 @@ struct DrawableTile {
   std::vector<DrawVertex> vertices;
   std::vector<std::uint32_t> indices;  ///< Triangles, counter-clockwise from above: the surface, then the skirt.
   std::uint32_t surface_triangles = 0;
+  TilePictures pictures;  ///< make_drawable() leaves them out.
 
   std::size_t bytes() const {
-    return sizeof *this + vertices.size() * sizeof(DrawVertex) + indices.size() * sizeof(std::uint32_t);
+    return sizeof *this + pictures.bytes() + vertices.size() * sizeof(DrawVertex) +
+           indices.size() * sizeof(std::uint32_t);
   }
 };
 

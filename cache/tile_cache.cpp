@@ -11,7 +11,7 @@ struct Loaded {
   std::size_t payload_bytes = 0;
 };
 
-Expected<Loaded> load(const TileStore& store, const codec::TileId& id) try {
+Expected<Loaded> load(const TileStore& store, const codec::TileId& id, bool texture_blocks) try {
   auto stored = store.read(id);
   if (!stored) return tl::unexpected(stored.error());
   auto mesh = decode_tile(store.manifest(), *stored);
@@ -20,7 +20,11 @@ Expected<Loaded> load(const TileStore& store, const codec::TileId& id) try {
     return tl::unexpected(mesh.error());
   }
   const codec::TreeLayout& layout = store.manifest().layout;
-  return Loaded{std::make_shared<const DrawableTile>(make_drawable(layout, id, *mesh)), stored->payload.size()};
+  auto pictures = load_pictures(store, id, texture_blocks);
+  if (!pictures) return tl::unexpected(pictures.error());
+  auto tile = std::make_shared<DrawableTile>(make_drawable(layout, id, *mesh));
+  tile->pictures = std::move(*pictures);
+  return Loaded{tile, stored->payload.size() + tile->pictures.bytes()};
 } catch (const std::exception& e) {
   return fail(ErrorCode::kIo, "tile " + id.text() + " could not be loaded: " + e.what(), store.path());
 }
@@ -100,7 +104,7 @@ void TileCache::work() {
     in_work_ = id;
     busy_ = true;
     lock.unlock();
-    auto loaded = load(store_, id);
+    auto loaded = load(store_, id, options_.texture_blocks);
     lock.lock();
     busy_ = false;
     if (loaded) {

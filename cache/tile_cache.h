@@ -33,6 +33,8 @@ class TileCache {
     /// Memory for prepared tiles. The least recently used leave first; the tiles of the view's last two
     /// request() rounds never leave, so that a view which needs more than this gets it all the same.
     std::size_t bytes = std::size_t{256} << 20;
+    /// The card takes BC1 textures as they are; else they are unpacked here.
+    bool texture_blocks = true;
   };
 
   struct Stats {

@@ -19,6 +19,18 @@ Expected<std::span<const std::byte>> blocks_of(std::span<const std::byte> payloa
   return payload.subspan(1);
 }
 
+/// The texels of `size` x `size` in blocks, as many as blocks_in(size).
+ColorImage unpack_bc1(std::span<const std::byte> blocks, int size) {
+  ColorImage image(size);
+  for (std::size_t block = 0; block < blocks_in(size); ++block) {
+    Bc1Block coded{};
+    std::memcpy(coded.data(), blocks.data() + block * kBc1BlockBytes, kBc1BlockBytes);
+    const ColorBlock texels = decode_bc1(coded);
+    for_each_texel(size, block, [&](std::size_t i, int x, int y) { std::ranges::copy(texels[i], image.at(x, y)); });
+  }
+  return image;
+}
+
 }  // namespace
 
 Expected<std::vector<std::byte>> Bc1Texture::encode(const ColorImage& image) const {
@@ -34,16 +46,7 @@ Expected<std::vector<std::byte>> Bc1Texture::encode(const ColorImage& image) con
   return out;
 }
 
-ColorImage unpack_bc1(std::span<const std::byte> blocks, int size) {
-  ColorImage image(size);
-  for (std::size_t block = 0; block < blocks_in(size); ++block) {
-    Bc1Block coded{};
-    std::memcpy(coded.data(), blocks.data() + block * kBc1BlockBytes, kBc1BlockBytes);
-    const ColorBlock texels = decode_bc1(coded);
-    for_each_texel(size, block, [&](std::size_t i, int x, int y) { std::ranges::copy(texels[i], image.at(x, y)); });
-  }
-  return image;
-}
+PixelArray unpacked(const PixelArray& blocks) { return as_pixels(unpack_bc1(blocks.bytes, blocks.size)); }
 
 Expected<ColorImage> Bc1Texture::decode(std::span<const std::byte> payload, int size) const {
   const auto blocks = blocks_of(payload, size);

@@ -13,7 +13,7 @@ class Bc1Texture final : public TextureCodec {
   Expected<PixelArray> pixels(std::span<const std::byte> payload, int size) const override;
 };
 
-/// The texels of `size` x `size` in blocks, as many as blocks_in(size).
-ColorImage unpack_bc1(std::span<const std::byte> blocks, int size);
+/// A picture of format kBc1 as one of kRgba8, for cards that cannot read blocks.
+PixelArray unpacked(const PixelArray& blocks);
 
 }  // namespace tintree::codec

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <memory>
 #include <string>
 
@@ -110,9 +109,7 @@ Expected<ColorImage> JpegTexture::decode(std::span<const std::byte> payload, int
 Expected<PixelArray> JpegTexture::pixels(std::span<const std::byte> payload, int size) const {
   const auto image = decode(payload, size);
   if (!image) return tl::unexpected(image.error());
-  PixelArray out{PixelFormat::kRgba8, size, std::vector<std::byte>(image->rgba.size())};
-  std::memcpy(out.bytes.data(), image->rgba.data(), image->rgba.size());
-  return out;
+  return as_pixels(*image);
 }
 
 }  // namespace tintree::codec

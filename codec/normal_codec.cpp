@@ -44,6 +44,24 @@ Expected<Parts> parts_of(std::span<const std::byte> payload, int size) {
   return fail(ErrorCode::kBadData, "is no normal map of the tree's size");
 }
 
+/// The values of one BC4 block or two a place, -1 to 1: as many a texel.
+std::vector<float> unpack_bc4(std::span<const std::byte> blocks, int size, int channels) {
+  const auto step = static_cast<std::size_t>(channels);
+  std::vector<float> out(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * step);
+  for (std::size_t block = 0; block < blocks_in(size); ++block) {
+    for (std::size_t channel = 0; channel < step; ++channel) {
+      Bc4Block coded{};
+      std::memcpy(coded.data(), blocks.data() + (block * step + channel) * kBc4BlockBytes, kBc4BlockBytes);
+      const ValueBlock values = decode_bc4(coded);
+      for_each_texel(size, block, [&](std::size_t i, int x, int y) {
+        const auto texel = static_cast<std::size_t>(y) * static_cast<std::size_t>(size) + static_cast<std::size_t>(x);
+        out[texel * step + channel] = values[i];
+      });
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<std::byte> encode_normals(const NormalImage& image) {
@@ -60,23 +78,6 @@ std::vector<std::byte> encode_normals(const NormalImage& image) {
   }
   if (!unit)
     put_channel(out, 1 + bc5, kBc4BlockBytes, image.size, [&](int x, int y) { return length_of(image.at(x, y)); });
-  return out;
-}
-
-std::vector<float> unpack_bc4(std::span<const std::byte> blocks, int size, int channels) {
-  const auto step = static_cast<std::size_t>(channels);
-  std::vector<float> out(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * step);
-  for (std::size_t block = 0; block < blocks_in(size); ++block) {
-    for (std::size_t channel = 0; channel < step; ++channel) {
-      Bc4Block coded{};
-      std::memcpy(coded.data(), blocks.data() + (block * step + channel) * kBc4BlockBytes, kBc4BlockBytes);
-      const ValueBlock values = decode_bc4(coded);
-      for_each_texel(size, block, [&](std::size_t i, int x, int y) {
-        const auto texel = static_cast<std::size_t>(y) * static_cast<std::size_t>(size) + static_cast<std::size_t>(x);
-        out[texel * step + channel] = values[i];
-      });
-    }
-  }
   return out;
 }
 

@@ -25,7 +25,4 @@ struct NormalPixels {
 };
 Expected<NormalPixels> normal_pixels(std::span<const std::byte> payload, int size);
 
-/// BC5 and BC4 without their compression, for cards that lack it: 2 values a texel and 1, -1 to 1.
-std::vector<float> unpack_bc4(std::span<const std::byte> blocks, int size, int channels);
-
 }  // namespace tintree::codec

@@ -5,6 +5,11 @@
 
 namespace tintree::codec {
 
+PixelArray as_pixels(const ColorImage& image) {
+  const auto bytes = std::as_bytes(std::span(image.rgba));
+  return {PixelFormat::kRgba8, image.size, {bytes.begin(), bytes.end()}};
+}
+
 const TextureCodec* find_texture_codec(std::string_view name) {
   static const Bc1Texture bc1;
   static const JpegTexture jpeg;

@@ -26,6 +26,8 @@ struct PixelArray {
   std::vector<std::byte> bytes;
 };
 
+PixelArray as_pixels(const ColorImage& image);
+
 /// Turns a tile's colours into a payload of table `texture` and back, with a loss (docs/format.md). Stateless: one
 /// object serves any number of threads at once.
 class TextureCodec {

@@ -43,7 +43,8 @@ void GpuTilePool::upload(const cache::DrawableTile& tile) {
   out.index_count = static_cast<GLsizei>(tile.indices.size());
   out.surface_triangles = tile.surface_triangles;
   out.frame = tile.frame;
-  out.bytes = vertex_bytes + index_bytes;
+  out.pictures = textures_.upload(tile.pictures);
+  out.bytes = vertex_bytes + index_bytes + out.pictures.bytes;
   bytes_ += out.bytes;
   tiles_[tile.id.key()] = {out, frame_};
 }
@@ -74,6 +75,7 @@ void GpuTilePool::end_frame() {
 }
 
 void GpuTilePool::free(const GpuTile& tile) {
+  textures_.give_back(tile.pictures);
   gl_->DeleteVertexArrays(1, &tile.vertex_array);
   gl_->DeleteBuffers(1, &tile.vertices);
   gl_->DeleteBuffers(1, &tile.indices);

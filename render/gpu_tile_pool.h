@@ -7,6 +7,7 @@
 #include "cache/drawable_tile.h"
 #include "codec/grid_frame.h"
 #include "render/gl_functions.h"
+#include "render/picture_textures.h"
 
 namespace tintree::render {
 
@@ -18,6 +19,7 @@ struct GpuTile {
   GLsizei index_count = 0;  ///< Surface and skirt.
   std::uint32_t surface_triangles = 0;
   codec::GridFrame frame;
+  GpuPictures pictures;
   std::size_t bytes = 0;
 };
 
@@ -26,7 +28,7 @@ struct GpuTile {
 class GpuTilePool {
  public:
   /// `budget_bytes`: graphics memory for tiles; a frame that draws more keeps what it draws.
-  GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes) : gl_(&gl), budget_bytes_(budget_bytes) {}
+  GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes) : gl_(&gl), budget_bytes_(budget_bytes), textures_(gl) {}
   ~GpuTilePool();
   GpuTilePool(const GpuTilePool&) = delete;
   GpuTilePool& operator=(const GpuTilePool&) = delete;
@@ -38,6 +40,7 @@ class GpuTilePool {
   /// Ends a frame: frees what was not used in it, the longest unused first, while over the budget.
   void end_frame();
 
+  const PictureTextures& textures() const { return textures_; }
   std::size_t bytes() const { return bytes_; }
   std::size_t tiles() const { return tiles_.size(); }
 
@@ -51,6 +54,7 @@ class GpuTilePool {
 
   const GlFunctions* gl_;
   std::size_t budget_bytes_;
+  PictureTextures textures_;
   std::size_t bytes_ = 0;
   std::uint64_t frame_ = 0;
   std::unordered_map<std::int64_t, Entry> tiles_;

@@ -93,6 +93,9 @@ void Renderer::set_terrain_uniforms(const Camera& camera, const cache::TileBound
   set(*gl_, terrain_.uniform("relief"), std::max(box.max[2] - box.min[2], 1e-3));
   set(*gl_, terrain_.uniform("haze_per_metre"), style.background ? 0.0 : kHaze / std::max(diagonal_m(box), 1e-3));
   set(*gl_, terrain_.uniform("haze_begin"), cut.nearest_m);
+  gl_->Uniform1i(terrain_.uniform("photo"), 0);
+  gl_->Uniform1i(terrain_.uniform("normal_directions"), 1);
+  gl_->Uniform1i(terrain_.uniform("normal_lengths"), 2);
   set(*gl_, terrain_.uniform("to_sun"),
       glm::dvec3(std::sin(style.sun_azimuth_rad) * level, std::cos(style.sun_azimuth_rad) * level,
                  std::sin(style.sun_elevation_rad)));
@@ -111,11 +114,17 @@ DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, co
   if (style.wireframe) gl_->PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
   set_terrain_uniforms(camera, bounds, cut, style);
   const GLint address_to_eye = terrain_.uniform("address_to_eye");
+  const GLint tile_share = terrain_.uniform("tile_share");
+  const GLint normal_mapped = terrain_.uniform("normal_mapped");
   for (const DrawTile& d : cut.draws) {
     const GpuTile* tile = pool.use(bounds.nodes()[d.node].id);
     if (tile == nullptr) continue;
     const std::array<double, 16> matrix = tile->frame.matrix({camera.eye.x, camera.eye.y, camera.eye.z});
     set(*gl_, address_to_eye, glm::make_mat4(matrix.data()));
+    const auto across = static_cast<double>(bounds.layout().cells_across(bounds.nodes()[d.node].id.level));
+    set(*gl_, tile_share, std::ldexp(1.0, tile->frame.xy_shift) / across);
+    gl_->Uniform1i(normal_mapped, tile->pictures.directions != 0 ? 1 : 0);
+    pool.textures().bind(tile->pictures);
     const auto surface = static_cast<GLsizei>(3 * tile->surface_triangles);
     gl_->BindVertexArray(tile->vertex_array);
     gl_->DrawElements(GL_TRIANGLES, style.skirts ? tile->index_count : surface, GL_UNSIGNED_INT, nullptr);
