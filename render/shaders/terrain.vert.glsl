@@ -1,9 +1,7 @@
 #version 330 core
 
-layout(location = 0) in vec2 address_xy;
-layout(location = 1) in float address_z;
-layout(location = 2) in uint skirt_sides;
-layout(location = 3) in vec2 normal_xy;
+layout(location = 0) in uvec4 packed_address;  // cache/drawable_tile.h, DrawVertex
+layout(location = 1) in vec2 normal_xy;
 
 uniform mat4 address_to_eye;   // grid addresses to metres east, north, up of the eye
 uniform mat4 eye_to_clip;
@@ -17,7 +15,10 @@ out float rise;                // metres above the lowest ground
 out vec2 on_tile;              // place on the tile's square, 0 to 1 eastward and southward
 
 void main() {
-  vec3 position = (address_to_eye * vec4(address_xy, address_z, 1.0)).xyz;
+  uint high = packed_address.w;
+  uint skirt_sides = high & 15u;
+  vec3 address = vec3(packed_address.xyz | uvec3(high >> 4 & 7u, high >> 7 & 7u, high >> 10) << 16);
+  vec3 position = (address_to_eye * vec4(address, 1.0)).xyz;
   rise = position.z + eye_rise;
   if (skirt_sides != 0u) {
     // Down by what a gap can measure, and half of that outward, under the neighbour, so that rounding
@@ -29,7 +30,7 @@ void main() {
     position += reach * vec3(0.5 * outward, -1.0);
   }
   from_eye = position;
-  on_tile = tile_share * address_xy;
+  on_tile = tile_share * address.xy;
   normal = vec3(normal_xy, sqrt(max(0.0, 1.0 - dot(normal_xy, normal_xy))));
   gl_Position = eye_to_clip * vec4(position, 1.0);
 }
