@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "cache/tile_pictures.h"
 #include "codec/grid_frame.h"
 #include "codec/tile_id.h"
 #include "codec/tile_mesh.h"
@@ -46,12 +47,13 @@ struct DrawableTile {
   std::vector<std::uint16_t> indices;
   std::vector<std::uint32_t> wide_indices;
   std::uint32_t surface_triangles = 0;
+  TilePictures pictures;  ///< make_drawable() leaves them out.
 
   std::size_t index_count() const { return indices.size() + wide_indices.size(); }
   std::uint32_t index(std::size_t i) const { return indices.empty() ? wide_indices[i] : indices[i]; }
   std::size_t vertex_bytes() const { return vertices.size() * sizeof(DrawVertex); }
   std::size_t index_bytes() const { return 2 * indices.size() + 4 * wide_indices.size(); }
-  std::size_t bytes() const { return sizeof *this + vertex_bytes() + index_bytes(); }
+  std::size_t bytes() const { return sizeof *this + vertex_bytes() + index_bytes() + pictures.bytes(); }
 };
 
 /// Makes the arrays of one decoded tile. Every vertex gets the mean of its triangles' normals in metres

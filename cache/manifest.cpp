@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "codec/node_image.h"
+
 namespace tintree::cache {
 namespace {
 
@@ -58,6 +60,48 @@ std::string other_files(const std::vector<InputFile>& there, const std::vector<I
   return {};
 }
 
+/// The first photo that is not what it was.
+std::string other_orthos(const std::vector<InputFile>& there, const std::vector<InputFile>& here) {
+  if (there.size() != here.size()) return differ("number of --ortho images", there.size(), here.size());
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    const std::string& path = here[i].path;
+    if (const auto names = other_files({there[i]}, {here[i]}); !names.empty())
+      return "--ortho " + path + " (" + names + ")";
+    if (there[i].bytes != here[i].bytes) {
+      return fmt::format("the size of --ortho {}: {} bytes there, {} here", path, there[i].bytes, here[i].bytes);
+    }
+    if (there[i].modified_s != here[i].modified_s) {
+      return fmt::format("--ortho {}, which was modified at {:%F %T} UTC there, at {:%F %T} here", path,
+                         fmt::gmtime(there[i].modified_s), fmt::gmtime(here[i].modified_s));
+    }
+  }
+  return {};
+}
+
+json files_to_json(const std::vector<InputFile>& files) {
+  json out = json::array();
+  for (const InputFile& f : files) out.push_back({{"path", f.path}, {"bytes", f.bytes}, {"modified_s", f.modified_s}});
+  return out;
+}
+
+std::vector<InputFile> files_from_json(const json& j) {
+  std::vector<InputFile> out;
+  for (const json& f : j.get_ref<const json::array_t&>()) {
+    out.push_back(
+        {f.at("path").get<std::string>(), f.at("bytes").get<std::uint64_t>(), f.at("modified_s").get<std::int64_t>()});
+  }
+  return out;
+}
+
+bool pictures_are_sane(const Manifest& m) {
+  const auto size_ok = [&m](PictureKind kind) {
+    const int size = m.picture_size(kind);
+    return size == 0 || (size >= 2 && size <= codec::kMaxImageSize);
+  };
+  return m.texture_size >= 0 && m.texture_size < codec::kMaxImageSize && size_ok(PictureKind::kTexture) &&
+         size_ok(PictureKind::kNormal);
+}
+
 /// How files of the same names differ whose heights do.
 std::string other_heights(const std::vector<InputFile>& there, const std::vector<InputFile>& here) {
   for (std::size_t i = 0; i < there.size(); ++i) {
@@ -76,10 +120,7 @@ std::string other_heights(const std::vector<InputFile>& there, const std::vector
 }  // namespace
 
 std::string Manifest::to_json() const {
-  json files = json::array();
-  for (const InputFile& f : inputs)
-    files.push_back({{"path", f.path}, {"bytes", f.bytes}, {"modified_s", f.modified_s}});
-  const json j = {
+  json j = {
       {"method", method},
       {"effort", effort},
       {"columns", layout.columns},
@@ -97,11 +138,17 @@ std::string Manifest::to_json() const {
       {"geographic", geographic},
       {"height_unit_m", height_unit_m},
       {"nodata", nodata_name(nodata)},
-      {"inputs", files},
+      {"inputs", files_to_json(inputs)},
       {"samples_digest", samples_digest},
       {"complete", complete},
       {"digest", digest},
   };
+  if (texture_size > 0) {
+    j["texture_size"] = texture_size;
+    j["texture_codec"] = texture_codec;
+    j["orthos"] = files_to_json(orthos);
+  }
+  if (normal_maps) j["normal_maps"] = true;
   return printable(j);
 }
 
@@ -134,17 +181,21 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
       if (name != kHole && name != kFill) return fail(ErrorCode::kBadData, "the manifest names an unknown --nodata");
       m.nodata = name == kFill ? NodataPolicy::kFill : NodataPolicy::kHole;
     }
-    for (const json& f : j.at("inputs").get_ref<const json::array_t&>()) {
-      m.inputs.push_back({f.at("path").get<std::string>(), f.at("bytes").get<std::uint64_t>(),
-                          f.at("modified_s").get<std::int64_t>()});
+    m.inputs = files_from_json(j.at("inputs"));
+    if (j.contains("texture_size")) {
+      m.texture_size = j.at("texture_size").get<int>();
+      m.texture_codec = j.at("texture_codec").get<std::string>();
+      m.orthos = files_from_json(j.at("orthos"));
     }
+    if (j.contains("normal_maps")) m.normal_maps = j.at("normal_maps").get<bool>();
     m.samples_digest = j.at("samples_digest").get<std::string>();
     m.complete = j.at("complete").get<bool>();
     m.digest = j.at("digest").get<std::string>();
   } catch (const json::exception& e) {
     return fail(ErrorCode::kBadData, fmt::format("the manifest cannot be read ({})", e.what()));
   }
-  if (!layout_is_sane(m.layout)) return fail(ErrorCode::kBadData, "the manifest describes no possible tree");
+  if (!layout_is_sane(m.layout) || !pictures_are_sane(m))
+    return fail(ErrorCode::kBadData, "the manifest describes no possible tree");
   return m;
 }
 
@@ -155,7 +206,7 @@ std::string Manifest::difference(const Manifest& other) const {
   for (const std::string& d :
        {differ("--method", method, other.method), differ("--effort", effort, other.effort),
         differ("--nodata", std::string(nodata_name(nodata)), std::string(nodata_name(other.nodata))),
-        differ("--tile", a.tile_cells, b.tile_cells),
+        differ("--tile", a.tile_cells, b.tile_cells), differ("--normal-maps", normal_maps, other.normal_maps),
         // Says more than the size and spacing that come of it.
         same_heights ? std::string() : other_files(inputs, other.inputs),
         differ("columns of the DEM", a.columns, b.columns), differ("rows of the DEM", a.rows, b.rows),
@@ -168,7 +219,9 @@ std::string Manifest::difference(const Manifest& other) const {
   if (crs_wkt != other.crs_wkt || geographic != other.geographic) return "the coordinate reference system of the DEM";
   if (geotransform != other.geotransform) return "the georeference of the DEM";
   if (a.z_step_m != b.z_step_m) return "height steps";
-  return {};
+  if (std::string photos = other_orthos(orthos, other.orthos); !photos.empty()) return photos;
+  if (std::string size = differ("--texture-size", texture_size, other.texture_size); !size.empty()) return size;
+  return differ("--texture-codec", texture_codec, other.texture_codec);
 }
 
 }  // namespace tintree::cache

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cache/picture_rows.h"
 #include "cache/raster_source.h"
 #include "codec/error.h"
 #include "codec/grid_frame.h"
@@ -23,8 +24,18 @@ struct Manifest {
   NodataPolicy nodata = NodataPolicy::kHole;
   std::vector<InputFile> inputs;  ///< In the order given: where they overlap, the later one counts.
   std::string samples_digest;     ///< XXH3-128 over the DEM's heights; equal heights give equal digests.
+  int texture_size = 0;           ///< Texels along a tile's side less the one that it shares; 0: no textures.
+  std::string texture_codec;      ///< codec::find_texture_codec(); empty without textures.
+  std::vector<InputFile> orthos;  ///< What the textures were made from; the later one lies on top.
+  bool normal_maps = false;       ///< Tiles have normal maps, of tile_cells + 1 texels a side.
   bool complete = false;          ///< Every tile is there and measured.
   std::string digest;             ///< XXH3-128 over all tiles in key order; set when complete.
+
+  /// Texels along the side of a tile's picture of this kind; 0 when the tree has none.
+  int picture_size(PictureKind kind) const {
+    if (kind == PictureKind::kTexture) return texture_size > 0 ? texture_size + 1 : 0;
+    return normal_maps ? layout.tile_cells + 1 : 0;
+  }
 
   std::string to_json() const;
   /// Fails with kBadData on anything missing, of the wrong type or out of range.

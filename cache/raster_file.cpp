@@ -41,6 +41,8 @@ std::string first_subdataset(GDALDataset& dataset) {
   return name == nullptr ? "" : name;
 }
 
+}  // namespace
+
 void register_drivers() {
   static std::once_flag registered;
   std::call_once(registered, [] {
@@ -49,14 +51,11 @@ void register_drivers() {
   });
 }
 
-/// Size and time; both 0 for what GDAL finds under a name that is none of a file.
-InputFile describe_file(const std::string& path) {
+InputFile describe_input(const std::string& path) {
   struct stat file {};
   if (::stat(path.c_str(), &file) != 0) return {path};
   return {path, static_cast<std::uint64_t>(file.st_size), file.st_mtime};
 }
-
-}  // namespace
 
 struct RasterFile::Impl {
   RasterFileInfo info;
@@ -219,7 +218,7 @@ void RasterFile::close() { impl_->dataset.reset(); }
 
 Expected<void> RasterFile::check_unchanged() const {
   const InputFile& before = impl_->info.input;
-  const InputFile now = describe_file(before.path);
+  const InputFile now = describe_input(before.path);
   // Before, it was no file of this name; now, it is one no more.
   if (before.modified_s == 0 || now.modified_s == 0 || now == before) return {};
   return fail(ErrorCode::kIo, "the file was changed while it was being read; restore it", before.path);
@@ -228,7 +227,7 @@ Expected<void> RasterFile::check_unchanged() const {
 Expected<RasterFile> RasterFile::open(const std::string& path) {
   register_drivers();
   auto impl = std::make_unique<Impl>();
-  impl->info.input = describe_file(path);
+  impl->info.input = describe_input(path);
   if (auto opened = impl->open_dataset(); !opened) return tl::unexpected(opened.error());
   if (auto described = impl->describe(); !described) return tl::unexpected(described.error());
   return RasterFile(std::move(impl));

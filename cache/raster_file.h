@@ -19,6 +19,11 @@ struct InputFile {
   friend bool operator==(const InputFile&, const InputFile&) = default;
 };
 
+/// The file as it is now; size and time are 0 for what GDAL finds under a name that is none of a file.
+InputFile describe_input(const std::string& path);
+/// Makes GDAL's drivers known, once, and its messages quiet.
+void register_drivers();
+
 /// What reading a small window costs beyond its samples.
 enum class WindowCost : std::uint8_t {
   kNone,    ///< Uncompressed tiles: nothing.

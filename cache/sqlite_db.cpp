@@ -110,4 +110,16 @@ Expected<std::int64_t> SqliteDb::query_integer(const char* sql) const {
   return *row ? statement->integer(0) : 0;
 }
 
+Expected<std::vector<std::int64_t>> SqliteDb::query_integers(const char* sql) const {
+  auto statement = prepare(sql);
+  if (!statement) return tl::unexpected(statement.error());
+  std::vector<std::int64_t> found;
+  while (true) {
+    auto row = statement->step();
+    if (!row) return tl::unexpected(row.error());
+    if (!*row) return found;
+    found.push_back(statement->integer(0));
+  }
+}
+
 }  // namespace tintree::cache

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <sqlite3.h>
 
@@ -64,6 +65,8 @@ class SqliteDb {
   Expected<Statement> prepare(const char* sql) const;
   /// The first column of a query's only row.
   Expected<std::int64_t> query_integer(const char* sql) const;
+  /// The first column of all its rows.
+  Expected<std::vector<std::int64_t>> query_integers(const char* sql) const;
 
  private:
   struct Closer {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -65,11 +67,18 @@ class TileBounds {
   /// The upright box round the tile: its cells of the raster times the height range of it and of all tiles below it.
   Box box(const TileNode& node) const;
   const codec::TreeLayout& layout() const { return layout_; }
+  /// Side of the texels of a tile of `level`, metres; 0 in a tree without textures.
+  double texel_m(int level) const { return std::ldexp(leaf_texel_m_, layout_.leaf_level - level); }
+  /// The tree's tiles have textures of so many texels a side.
+  void set_texture_size(int texels) {
+    leaf_texel_m_ = std::max(layout_.dx_m, layout_.dy_m) * layout_.tile_cells / texels;
+  }
 
  private:
   void link_children();
 
   codec::TreeLayout layout_;
+  double leaf_texel_m_ = 0;
   std::vector<TileNode> nodes_;
 };
 

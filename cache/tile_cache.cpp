@@ -13,7 +13,7 @@ struct Loaded {
   std::size_t payload_bytes = 0;
 };
 
-Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id) try {
+Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id, bool texture_blocks) try {
   auto stored = tree.store->read(id);
   if (!stored) return tl::unexpected(stored.error());
   auto mesh = decode_tile(tree.store->manifest(), *stored);
@@ -21,8 +21,11 @@ Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id) tr
     mesh.error().where = tree.store->path() + ": " + mesh.error().where;
     return tl::unexpected(mesh.error());
   }
-  return Loaded{std::make_shared<const DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides)),
-                stored->payload.size()};
+  auto pictures = load_pictures(*tree.store, id, texture_blocks);
+  if (!pictures) return tl::unexpected(pictures.error());
+  auto tile = std::make_shared<DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides));
+  tile->pictures = std::move(*pictures);
+  return Loaded{tile, stored->payload.size() + tile->pictures.bytes()};
 } catch (const std::exception& e) {
   return fail(ErrorCode::kIo, "tile " + id.text() + " could not be loaded: " + e.what(), tree.store->path());
 }
@@ -127,7 +130,7 @@ void TileCache::work() {
     in_work_ = job;
     busy_ = true;
     lock.unlock();
-    auto loaded = load(trees_[job.ref.tree], job.ref.id);
+    auto loaded = load(trees_[job.ref.tree], job.ref.id, options_.texture_blocks);
     lock.lock();
     busy_ = false;
     if (loaded) {

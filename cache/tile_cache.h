@@ -43,6 +43,8 @@ class TileCache {
     std::size_t bytes = std::size_t{256} << 20;
     /// The most requests that wait; the least urgent beyond are dropped, to be asked for again.
     std::size_t queue = 1024;
+    /// The card takes BC1 textures as they are; else they are unpacked here.
+    bool texture_blocks = true;
   };
 
   struct Stats {

@@ -18,6 +18,13 @@ struct TileHead {
 };
 static_assert(sizeof(TileHead) == 56);
 
+struct PictureHead {
+  std::int64_t key;
+  std::uint32_t kind;
+  std::uint32_t bytes;
+};
+static_assert(sizeof(PictureHead) == 16);
+
 TileHead head_of(const TileInfo& info) {
   return {info.id.key(),
           info.vertices,
@@ -52,6 +59,12 @@ void TreeDigest::add(const StoredTile& tile) {
   const TileHead head = head_of(tile.info);
   XXH3_128bits_update(state_->hash, &head, sizeof head);
   XXH3_128bits_update(state_->hash, tile.payload.data(), tile.payload.size());
+}
+
+void TreeDigest::add(PictureKind kind, const codec::TileId& id, std::span<const std::byte> payload) {
+  const PictureHead head{id.key(), static_cast<std::uint32_t>(kind), static_cast<std::uint32_t>(payload.size())};
+  XXH3_128bits_update(state_->hash, &head, sizeof head);
+  XXH3_128bits_update(state_->hash, payload.data(), payload.size());
 }
 
 std::string TreeDigest::text() const {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "cache/tile_store.h"
@@ -20,6 +21,8 @@ class TreeDigest {
   TreeDigest& operator=(const TreeDigest&) = delete;
 
   void add(const StoredTile& tile);
+  /// After all tiles the textures, then the normal maps.
+  void add(PictureKind kind, const codec::TileId& id, std::span<const std::byte> payload);
   /// 32 hexadecimal digits.
   std::string text() const;
 

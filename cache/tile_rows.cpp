@@ -61,7 +61,13 @@ Expected<StoredTile> tile_in_row(const SqliteDb::Statement& row, const std::stri
 
 }  // namespace
 
-Expected<void> create_tables(SqliteDb& db) { return db.exec(kSchema); }
+Expected<void> create_tables(SqliteDb& db, const Manifest& manifest) {
+  auto done = db.exec(kSchema);
+  for (const PictureKind kind : {PictureKind::kTexture, PictureKind::kNormal}) {
+    if (done && manifest.picture_size(kind) > 0) done = create_picture_table(db, kind);
+  }
+  return done;
+}
 
 void bind_tile(SqliteDb::Statement& insert, const StoredTile& tile) {
   insert.bind(1, tile.info.id.key());
@@ -99,16 +105,19 @@ Expected<void> for_each_tile(const SqliteDb& db, const std::function<void(const 
   }
 }
 
-Expected<std::vector<std::int64_t>> read_keys(const SqliteDb& db) {
-  auto statement = db.prepare("SELECT key FROM tile ORDER BY key");
-  if (!statement) return tl::unexpected(statement.error());
-  std::vector<std::int64_t> keys;
-  while (true) {
-    auto row = statement->step();
-    if (!row) return tl::unexpected(row.error());
-    if (!*row) return keys;
-    keys.push_back(statement->integer(0));
+Expected<void> add_pictures(const SqliteDb& db, const Manifest& manifest, TreeDigest& digest) {
+  Expected<void> done;
+  for (const PictureKind kind : {PictureKind::kTexture, PictureKind::kNormal}) {
+    if (!done || manifest.picture_size(kind) == 0) continue;
+    done = for_each_picture(db, kind, [&digest, kind](const codec::TileId& id, std::span<const std::byte> payload) {
+      digest.add(kind, id, payload);
+    });
   }
+  return done;
+}
+
+Expected<std::vector<std::int64_t>> read_keys(const SqliteDb& db) {
+  return db.query_integers("SELECT key FROM tile ORDER BY key");
 }
 
 Expected<std::vector<std::byte>> read_metadata(const SqliteDb& db, const std::string& name) {

@@ -9,6 +9,7 @@
 
 #include "cache/manifest.h"
 #include "cache/sqlite_db.h"
+#include "cache/tile_digest.h"
 #include "cache/tile_store.h"
 #include "codec/error.h"
 #include "codec/tile_id.h"
@@ -20,8 +21,8 @@ namespace tintree::cache {
 
 inline constexpr const char* kInsertTile = "INSERT OR REPLACE INTO tile VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
 
-/// Turns an empty database into a tree without tiles or metadata, in WAL mode.
-Expected<void> create_tables(SqliteDb& db);
+/// Turns an empty database into a tree without tiles or metadata, in WAL mode, with the tables that the manifest needs.
+Expected<void> create_tables(SqliteDb& db, const Manifest& manifest);
 /// Opens an existing tree and checks that it is one that this program can read.
 Expected<SqliteDb> open_existing(const std::string& path, SqliteDb::Access access);
 
@@ -31,6 +32,8 @@ void bind_tile(SqliteDb::Statement& insert, const StoredTile& tile);
 Expected<StoredTile> read_tile(const SqliteDb& db, const codec::TileId& id);
 /// Hands every tile to `visit` in key order, its checksum verified.
 Expected<void> for_each_tile(const SqliteDb& db, const std::function<void(const StoredTile&)>& visit);
+/// Adds all textures and normal maps to a digest that has the tiles.
+Expected<void> add_pictures(const SqliteDb& db, const Manifest& manifest, TreeDigest& digest);
 /// The keys of all tiles, ascending.
 Expected<std::vector<std::int64_t>> read_keys(const SqliteDb& db);
 

@@ -54,6 +54,7 @@ Expected<TileStore> TileStore::open(const std::string& path) {
     bounds.error().where = path;
     return tl::unexpected(bounds.error());
   }
+  if (manifest->texture_size > 0) bounds->set_texture_size(manifest->texture_size);
   auto impl = std::make_unique<Impl>(std::move(*db), std::move(*manifest), std::move(*bounds));
   return TileStore(std::move(impl));
 }
@@ -61,6 +62,25 @@ Expected<TileStore> TileStore::open(const std::string& path) {
 Expected<StoredTile> TileStore::read(const codec::TileId& id) const {
   const std::scoped_lock lock(impl_->turn);
   return read_tile(impl_->db, id);
+}
+
+Expected<std::optional<std::vector<std::byte>>> TileStore::read_picture(PictureKind kind,
+                                                                        const codec::TileId& id) const {
+  if (impl_->manifest.picture_size(kind) == 0) return std::nullopt;
+  const std::scoped_lock lock(impl_->turn);
+  return read_picture_row(impl_->db, kind, id);
+}
+
+Expected<std::vector<std::int64_t>> TileStore::picture_keys(PictureKind kind) const {
+  if (impl_->manifest.picture_size(kind) == 0) return std::vector<std::int64_t>();
+  const std::scoped_lock lock(impl_->turn);
+  return read_picture_keys(impl_->db, kind);
+}
+
+Expected<std::uint64_t> TileStore::picture_bytes(PictureKind kind) const {
+  if (impl_->manifest.picture_size(kind) == 0) return 0;
+  const std::scoped_lock lock(impl_->turn);
+  return sum_picture_bytes(impl_->db, kind);
 }
 
 Expected<std::vector<std::int64_t>> TileStore::keys() const {
@@ -72,6 +92,7 @@ Expected<std::string> TileStore::digest() const {
   const std::scoped_lock lock(impl_->turn);
   TreeDigest digest;
   auto digested = for_each_tile(impl_->db, [&digest](const StoredTile& tile) { digest.add(tile); });
+  if (digested) digested = add_pictures(impl_->db, impl_->manifest, digest);
   if (!digested) return tl::unexpected(digested.error());
   return digest.text();
 }

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "cache/manifest.h"
+#include "cache/picture_rows.h"
 #include "cache/tile_bounds.h"
 #include "codec/error.h"
 #include "codec/stop_flag.h"
@@ -44,6 +46,13 @@ class TileStore {
   /// The same, decoded and validated: ready for use.
   Expected<codec::TileMesh> read_mesh(const codec::TileId& id) const;
 
+  /// The tile's texture or normal map with its checksum verified, or nothing where it has none.
+  Expected<std::optional<std::vector<std::byte>>> read_picture(PictureKind kind, const codec::TileId& id) const;
+  /// Keys of the tiles that have such a picture, ascending.
+  Expected<std::vector<std::int64_t>> picture_keys(PictureKind kind) const;
+  /// Bytes of all payloads of such pictures.
+  Expected<std::uint64_t> picture_bytes(PictureKind kind) const;
+
   /// Keys of all rows of the tile table, ascending; in a sound file those of bounds().
   Expected<std::vector<std::int64_t>> keys() const;
   /// The tree's digest, made anew from all tiles as they lie in the file; in a sound file manifest().digest.
@@ -78,8 +87,14 @@ class TileWriter {
   /// Keys of all tiles there, ascending.
   Expected<std::vector<std::int64_t>> keys() const;
   Expected<StoredTile> read(const codec::TileId& id) const;
+  /// The same of tiles' pictures, of a kind that the manifest announces.
+  Expected<std::vector<std::int64_t>> picture_keys(PictureKind kind) const;
+  Expected<std::uint64_t> picture_bytes(PictureKind kind) const;
+  Expected<std::optional<std::vector<std::byte>>> read_picture(PictureKind kind, const codec::TileId& id) const;
   /// Adds a tile, or replaces it.
   Expected<void> put(const StoredTile& tile);
+  /// Adds a picture of a tile, or replaces it.
+  Expected<void> put_picture(PictureKind kind, const codec::TileId& id, std::span<const std::byte> payload);
   /// Makes everything put so far survive the end of the process, kill -9 included. put() also does so by itself now
   /// and then.
   Expected<void> commit();

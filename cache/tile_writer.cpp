@@ -1,6 +1,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -66,7 +67,7 @@ Expected<void> begin_file(const std::string& path, const Manifest& manifest) {
   auto db = SqliteDb::open(path, SqliteDb::Access::kCreate);
   if (!db) return tl::unexpected(db.error());
   auto done = db->exec("PRAGMA synchronous = OFF");  // it is synced as a whole when it gets its name
-  if (done) done = create_tables(*db);
+  if (done) done = create_tables(*db, manifest);
   if (done) done = write_manifest(*db, manifest);
   // Else closing would do this, and fail unseen.
   return done ? db->exec("PRAGMA wal_checkpoint(TRUNCATE)") : done;
@@ -79,6 +80,7 @@ struct TileWriter::Impl {
   SqliteDb db;
   Manifest manifest;
   std::optional<SqliteDb::Statement> insert;
+  std::map<PictureKind, SqliteDb::Statement> insert_picture;
   int pending = 0;
 
   Expected<void> prepare() {
@@ -87,7 +89,25 @@ struct TileWriter::Impl {
     auto statement = db.prepare(kInsertTile);
     if (!statement) return tl::unexpected(statement.error());
     insert.emplace(std::move(*statement));
+    for (const PictureKind kind : {PictureKind::kTexture, PictureKind::kNormal}) {
+      if (manifest.picture_size(kind) == 0) continue;
+      auto picture = prepare_picture_insert(db, kind);
+      if (!picture) return tl::unexpected(picture.error());
+      insert_picture.emplace(kind, std::move(*picture));
+    }
     return {};
+  }
+
+  Expected<void> begin() { return pending == 0 ? db.exec("BEGIN") : Expected<void>{}; }
+  /// Runs a statement that adds a row; true when it is time to commit.
+  Expected<bool> add_row(SqliteDb::Statement& statement) {
+    auto done = statement.step();
+    statement.reset();
+    if (!done) {
+      abandon();
+      return done;
+    }
+    return ++pending >= kTilesPerTransaction;
   }
 
   /// Drops what is not committed, after a failure.
@@ -139,28 +159,41 @@ Expected<TileWriter> TileWriter::resume(const std::string& path, const Manifest&
                 "the unfinished build differs in " + difference + "; use the same input and options, or --overwrite",
                 building);
   }
-  auto impl = std::make_unique<Impl>(Impl{path, std::move(*db), manifest, {}, 0});
+  auto impl = std::make_unique<Impl>(Impl{path, std::move(*db), manifest, {}, {}, 0});
   if (auto done = impl->prepare(); !done) return tl::unexpected(done.error());
   return TileWriter(std::move(impl));
 }
 
 Expected<std::vector<std::int64_t>> TileWriter::keys() const { return read_keys(impl_->db); }
 
+Expected<std::vector<std::int64_t>> TileWriter::picture_keys(PictureKind kind) const {
+  return read_picture_keys(impl_->db, kind);
+}
+
+Expected<std::uint64_t> TileWriter::picture_bytes(PictureKind kind) const { return sum_picture_bytes(impl_->db, kind); }
+
+Expected<std::optional<std::vector<std::byte>>> TileWriter::read_picture(PictureKind kind,
+                                                                         const codec::TileId& id) const {
+  return read_picture_row(impl_->db, kind, id);
+}
+
 Expected<StoredTile> TileWriter::read(const codec::TileId& id) const { return read_tile(impl_->db, id); }
 
 Expected<void> TileWriter::put(const StoredTile& tile) {
-  if (impl_->pending == 0) {
-    if (auto begun = impl_->db.exec("BEGIN"); !begun) return begun;
-  }
-  SqliteDb::Statement& s = *impl_->insert;
-  bind_tile(s, tile);
-  auto done = s.step();
-  s.reset();
-  if (!done) {
-    impl_->abandon();
-    return tl::unexpected(done.error());
-  }
-  return ++impl_->pending >= kTilesPerTransaction ? commit() : Expected<void>{};
+  if (auto begun = impl_->begin(); !begun) return begun;
+  bind_tile(*impl_->insert, tile);
+  const auto full = impl_->add_row(*impl_->insert);
+  if (!full) return tl::unexpected(full.error());
+  return *full ? commit() : Expected<void>{};
+}
+
+Expected<void> TileWriter::put_picture(PictureKind kind, const codec::TileId& id, std::span<const std::byte> payload) {
+  if (auto begun = impl_->begin(); !begun) return begun;
+  SqliteDb::Statement& insert = impl_->insert_picture.at(kind);
+  bind_picture(insert, id, payload);
+  const auto full = impl_->add_row(insert);
+  if (!full) return tl::unexpected(full.error());
+  return *full ? commit() : Expected<void>{};
 }
 
 Expected<void> TileWriter::commit() {
@@ -179,6 +212,7 @@ Expected<void> TileWriter::Impl::complete() {
     digest.add(tile);
     tiles.push_back(tile.info);
   });
+  if (digested) digested = add_pictures(db, manifest, digest);
   if (!digested) return digested;
   manifest.digest = digest.text();
   manifest.complete = true;

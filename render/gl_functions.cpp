@@ -1,6 +1,7 @@
 #include "render/gl_functions.h"
 
 #include <string>
+#include <string_view>
 
 namespace tintree::render {
 namespace {
@@ -8,6 +9,22 @@ namespace {
 std::string text(const GlFunctions& gl, GLenum what) {
   const GLubyte* s = gl.GetString(what);
   return s == nullptr ? std::string() : reinterpret_cast<const char*>(s);
+}
+
+/// Looks for the extensions that this program can do with or without.
+void find_extensions(GlFunctions& gl) {
+  bool s3tc = false;
+  bool srgb = false;
+  GLint count = 0;
+  gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
+  for (GLint i = 0; i < count; ++i) {
+    const auto* name = reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
+    const std::string_view extension = name == nullptr ? "" : name;
+    s3tc = s3tc || extension == "GL_EXT_texture_compression_s3tc";
+    srgb = srgb || extension == "GL_EXT_texture_sRGB" || extension == "GL_EXT_texture_compression_s3tc_srgb";
+    gl.anisotropic = gl.anisotropic || extension == "GL_EXT_texture_filter_anisotropic";
+  }
+  gl.texture_blocks = s3tc && srgb;
 }
 
 }  // namespace
@@ -31,6 +48,7 @@ Expected<GlFunctions> load_gl(const GetGlFunction& get) {
   gl.renderer = text(gl, GL_RENDERER) + ", OpenGL " + text(gl, GL_VERSION);
   if (10 * major + minor < 33)
     return fail(ErrorCode::kIo, "OpenGL 3.3 is needed, and this is " + gl.renderer + "; try --headless osmesa");
+  find_extensions(gl);
   if (10 * major + minor >= 45) gl.ClipControl = reinterpret_cast<PFNGLCLIPCONTROLPROC>(get("glClipControl"));
   return gl;
 }

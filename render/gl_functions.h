@@ -15,10 +15,12 @@ using GetGlFunction = std::function<void*(const char* name)>;
 /// Every OpenGL function that this program calls, with its type: all of 3.3 core. An own table, because
 /// the usual loaders fail beside OSMesa.
 #define TINTREE_GL_FUNCTIONS(X)                                              \
+  X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                   \
   X(PFNGLATTACHSHADERPROC, AttachShader)                                     \
   X(PFNGLBINDBUFFERPROC, BindBuffer)                                         \
   X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                               \
   X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                             \
+  X(PFNGLBINDTEXTUREPROC, BindTexture)                                       \
   X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                               \
   X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                               \
   X(PFNGLBUFFERDATAPROC, BufferData)                                         \
@@ -28,6 +30,8 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLCLEARCOLORPROC, ClearColor)                                         \
   X(PFNGLCLEARDEPTHPROC, ClearDepth)                                         \
   X(PFNGLCOMPILESHADERPROC, CompileShader)                                   \
+  X(PFNGLCOMPRESSEDTEXIMAGE2DPROC, CompressedTexImage2D)                     \
+  X(PFNGLCOMPRESSEDTEXSUBIMAGE2DPROC, CompressedTexSubImage2D)               \
   X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                   \
   X(PFNGLCREATESHADERPROC, CreateShader)                                     \
   X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                   \
@@ -35,6 +39,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                   \
   X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                       \
   X(PFNGLDELETESHADERPROC, DeleteShader)                                     \
+  X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                 \
   X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                         \
   X(PFNGLDEPTHFUNCPROC, DepthFunc)                                           \
   X(PFNGLDEPTHMASKPROC, DepthMask)                                           \
@@ -48,6 +53,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLGENBUFFERSPROC, GenBuffers)                                         \
   X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                               \
   X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                             \
+  X(PFNGLGENTEXTURESPROC, GenTextures)                                       \
   X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                               \
   X(PFNGLGETERRORPROC, GetError)                                             \
   X(PFNGLGETINTEGERVPROC, GetIntegerv)                                       \
@@ -56,6 +62,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                             \
   X(PFNGLGETSHADERIVPROC, GetShaderiv)                                       \
   X(PFNGLGETSTRINGPROC, GetString)                                           \
+  X(PFNGLGETSTRINGIPROC, GetStringi)                                         \
   X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                         \
   X(PFNGLLINKPROGRAMPROC, LinkProgram)                                       \
   X(PFNGLPIXELSTOREIPROC, PixelStorei)                                       \
@@ -63,7 +70,12 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLREADPIXELSPROC, ReadPixels)                                         \
   X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample) \
   X(PFNGLSHADERSOURCEPROC, ShaderSource)                                     \
+  X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                         \
+  X(PFNGLTEXPARAMETERFPROC, TexParameterf)                                   \
+  X(PFNGLTEXPARAMETERIPROC, TexParameteri)                                   \
+  X(PFNGLTEXSUBIMAGE2DPROC, TexSubImage2D)                                   \
   X(PFNGLUNIFORM1FPROC, Uniform1f)                                           \
+  X(PFNGLUNIFORM1IPROC, Uniform1i)                                           \
   X(PFNGLUNIFORM3FPROC, Uniform3f)                                           \
   X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                             \
   X(PFNGLUSEPROGRAMPROC, UseProgram)                                         \
@@ -79,7 +91,9 @@ struct GlFunctions {
 
   /// Null below OpenGL 4.5 without GL_ARB_clip_control; the renderer then does with less depth precision.
   PFNGLCLIPCONTROLPROC ClipControl = nullptr;
-  std::string renderer;  ///< The driver's own name and version.
+  bool texture_blocks = false;  ///< BC1 in sRGB can be drawn (EXT_texture_compression_s3tc, EXT_texture_sRGB).
+  bool anisotropic = false;     ///< EXT_texture_filter_anisotropic.
+  std::string renderer;         ///< The driver's own name and version.
 };
 
 /// Fills the table from the current context. Fails with kIo when that is older than OpenGL 3.3.

@@ -24,7 +24,8 @@ void describe_vertex(const GlFunctions& gl) {
 
 }  // namespace
 
-GpuTilePool::GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes) : gl_(&gl), budget_bytes_(budget_bytes) {}
+GpuTilePool::GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes, std::size_t picture_budget_bytes)
+    : gl_(&gl), budget_bytes_(budget_bytes), picture_budget_bytes_(picture_budget_bytes), textures_(gl) {}
 
 GpuTilePool::~GpuTilePool() {
   for (const Page& page : pages_) {
@@ -37,6 +38,7 @@ bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& t
   if (use(ref) != nullptr) return true;
   const std::size_t bytes = tile.vertex_bytes() + tile.index_bytes();
   Place at;
+  if (!make_room_for_pictures(tile.pictures.bytes())) return false;
   if (!place((bytes + kUnit - 1) / kUnit, at)) return false;
   const Page& page = pages_[at.page];
   const bool wide = tile.indices.empty();
@@ -49,7 +51,9 @@ bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& t
   out.index_count = static_cast<GLsizei>(tile.index_count());
   out.surface_triangles = tile.surface_triangles;
   out.frame = tile.frame;
-  out.bytes = at.length * kUnit;
+  out.pictures = textures_.upload(tile.pictures);
+  picture_bytes_ += out.pictures.bytes;
+  out.bytes = at.length * kUnit + out.pictures.bytes;
   gl_->BindBuffer(GL_ARRAY_BUFFER, page.buffer);
   gl_->BufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(at.begin * kUnit),
                      static_cast<GLsizeiptr>(tile.vertex_bytes()), tile.vertices.data());
@@ -116,10 +120,20 @@ bool GpuTilePool::add_page(std::size_t length) {
   return true;
 }
 
+bool GpuTilePool::make_room_for_pictures(std::size_t bytes) {
+  while (bytes > 0 && picture_bytes_ + bytes > picture_budget_bytes_) {
+    if (entries_.empty() || entries_.back().frame == frame_) return false;
+    evict_oldest();
+  }
+  return true;
+}
+
 void GpuTilePool::evict_oldest() {
   const Entry& oldest = entries_.back();
   pages_[oldest.place.page].free.give(oldest.place.begin, oldest.place.length);
   bytes_ -= oldest.tile.bytes;
+  picture_bytes_ -= oldest.tile.pictures.bytes;
+  textures_.give_back(oldest.tile.pictures);
   tiles_.erase(oldest.ref);
   entries_.pop_back();
 }

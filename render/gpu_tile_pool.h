@@ -10,6 +10,7 @@
 #include "cache/tile_ref.h"
 #include "codec/grid_frame.h"
 #include "render/gl_functions.h"
+#include "render/picture_textures.h"
 #include "render/range_allocator.h"
 
 namespace tintree::render {
@@ -23,6 +24,7 @@ struct GpuTile {
   GLsizei index_count = 0;              ///< Surface and skirt.
   std::uint32_t surface_triangles = 0;
   codec::GridFrame frame;
+  GpuPictures pictures;
   std::size_t bytes = 0;
 };
 
@@ -31,8 +33,8 @@ struct GpuTile {
 /// thread-safe.
 class GpuTilePool {
  public:
-  /// `budget_bytes`: graphics memory for tiles, never exceeded.
-  GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes);
+  /// Graphics memory for tiles' meshes and for their pictures, never exceeded.
+  GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes, std::size_t picture_budget_bytes = 0);
   ~GpuTilePool();
   GpuTilePool(const GpuTilePool&) = delete;
   GpuTilePool& operator=(const GpuTilePool&) = delete;
@@ -46,6 +48,7 @@ class GpuTilePool {
   /// From here on what has been used before may make room.
   void end_frame() { ++frame_; }
 
+  const PictureTextures& textures() const { return textures_; }
   std::size_t bytes() const { return bytes_; }
   std::size_t tiles() const { return tiles_.size(); }
   /// Of the buffers, tiles or not.
@@ -75,10 +78,15 @@ class GpuTilePool {
   bool find_gap(std::size_t length, Place& out);
   bool add_page(std::size_t length);
   void evict_oldest();
+  /// The same for a tile's pictures.
+  bool make_room_for_pictures(std::size_t bytes);
 
   const GlFunctions* gl_;
   std::size_t budget_bytes_;
+  std::size_t picture_budget_bytes_;
+  PictureTextures textures_;
   std::size_t bytes_ = 0;
+  std::size_t picture_bytes_ = 0;  ///< Of these.
   std::size_t reserved_bytes_ = 0;
   std::uint64_t frame_ = 0;
   std::vector<Page> pages_;

@@ -35,14 +35,22 @@ class Walk {
     double nearest_m = 0;
     double farthest_m = 0;
     double error_px = 0;
+    double texel_px = 0;
   };
 
   Seen look(const cache::TileNode& node) const {
     const cache::Box box = bounds_->box(node);
-    if (frustum_.outside(box)) return {true, 0, 0, 0};
+    if (frustum_.outside(box)) return {true, 0, 0, 0, 0};
     const double nearest_m = frustum_.nearest_depth_m(box);
     return {false, nearest_m, frustum_.farthest_depth_m(box),
-            projected_error_px(static_cast<double>(node.lod_error_m), nearest_m, camera_)};
+            projected_error_px(static_cast<double>(node.lod_error_m), nearest_m, camera_),
+            nearest_m > 0 ? bounds_->texel_m(node.id.level) * camera_.focal_px() / nearest_m
+                          : std::numeric_limits<double>::infinity()};
+  }
+
+  bool is_fine_enough(const cache::TileNode& node, const Seen& seen) const {
+    const bool sharp = bounds_->texel_m(node.id.level) == 0 || seen.texel_px <= options_.texel_px;
+    return seen.error_px <= options_.pixel_error && sharp;
   }
 
   struct Asked {
@@ -59,7 +67,7 @@ class Walk {
       return true;
     }
     const bool leaf = node.child_mask == 0;
-    if (leaf || seen.error_px <= options_.pixel_error) return take(index, seen);
+    if (leaf || is_fine_enough(node, seen)) return take(index, seen);
     if (visit_children(index, [this](std::uint32_t child) { return visit(child); })) return true;
     if (state(index) != TileState::kResident) {
       ask(node);

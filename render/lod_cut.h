@@ -14,6 +14,9 @@ namespace tintree::render {
 struct CutOptions {
   /// Tiles are refined until their error projects to at most this many pixels. 0 draws the leaves.
   double pixel_error = 1;
+  /// Tiles with a texture are refined, too, until the side of its texels projects to at most this many pixels: flat
+  /// ground has next to no error and yet a photo on it.
+  double texel_px = 1;
 };
 
 /// One tile of a cut.

@@ -108,6 +108,9 @@ void Renderer::set_terrain_uniforms(const Camera& camera, Trees trees, const Lod
   set(*gl_, terrain_.uniform("relief"), std::max(box.max[2] - box.min[2], 1e-3));
   set(*gl_, terrain_.uniform("haze_per_metre"), style.background ? 0.0 : kHaze / std::max(diagonal_m(box), 1e-3));
   set(*gl_, terrain_.uniform("haze_begin"), cut.nearest_m);
+  gl_->Uniform1i(terrain_.uniform("photo"), 0);
+  gl_->Uniform1i(terrain_.uniform("normal_directions"), 1);
+  gl_->Uniform1i(terrain_.uniform("normal_lengths"), 2);
   set(*gl_, terrain_.uniform("to_sun"),
       glm::dvec3(std::sin(style.sun_azimuth_rad) * level, std::cos(style.sun_azimuth_rad) * level,
                  std::sin(style.sun_elevation_rad)));
@@ -126,12 +129,19 @@ DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, Tr
   if (style.wireframe) gl_->PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
   set_terrain_uniforms(camera, trees, cut, style);
   const GLint address_to_eye = terrain_.uniform("address_to_eye");
+  const GLint tile_share = terrain_.uniform("tile_share");
+  const GLint normal_mapped = terrain_.uniform("normal_mapped");
   GLuint bound = 0;
   for (const DrawTile& d : cut.draws) {
     const GpuTile* tile = pool.use({trees[d.tree]->nodes()[d.node].id, d.tree});
     if (tile == nullptr) continue;
     const std::array<double, 16> matrix = tile->frame.matrix({camera.eye.x, camera.eye.y, camera.eye.z});
     set(*gl_, address_to_eye, glm::make_mat4(matrix.data()));
+    const cache::TileBounds& tree = *trees[d.tree];
+    const auto across = static_cast<double>(tree.layout().cells_across(tree.nodes()[d.node].id.level));
+    set(*gl_, tile_share, std::ldexp(1.0, tile->frame.xy_shift) / across);
+    gl_->Uniform1i(normal_mapped, tile->pictures.directions != 0 ? 1 : 0);
+    pool.textures().bind(tile->pictures);
     const auto surface = static_cast<GLsizei>(3 * tile->surface_triangles);
     if (std::exchange(bound, tile->vertex_array) != tile->vertex_array) gl_->BindVertexArray(tile->vertex_array);
     gl_->DrawElementsBaseVertex(GL_TRIANGLES, style.skirts ? tile->index_count : surface, tile->index_type,

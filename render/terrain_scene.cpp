@@ -17,6 +17,14 @@ std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::
   return out;
 }
 
+/// What of the graphics memory meshes may take: a half where there are pictures.
+std::size_t mesh_bytes(TerrainScene::Stores stores, std::size_t gpu_bytes) {
+  const bool pictures = std::ranges::any_of(stores, [](const cache::TileStore* store) {
+    return store->manifest().texture_size > 0 || store->manifest().normal_maps;
+  });
+  return pictures ? gpu_bytes / 2 : gpu_bytes;
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& gl, Stores stores,
@@ -39,9 +47,10 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
 TerrainScene::TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places,
                            const SceneOptions& options, Renderer renderer)
     : options_(options),
-      cache_(std::make_unique<cache::TileCache>(sources(stores, places),
-                                                cache::TileCache::Options{.bytes = options.cache_bytes})),
-      pool_(gl, options.gpu_bytes),
+      cache_(std::make_unique<cache::TileCache>(
+          sources(stores, places),
+          cache::TileCache::Options{.bytes = options.cache_bytes, .texture_blocks = gl.texture_blocks})),
+      pool_(gl, mesh_bytes(stores, options.gpu_bytes), options.gpu_bytes - mesh_bytes(stores, options.gpu_bytes)),
       renderer_(std::move(renderer)) {
   placed_.reserve(stores.size());
   for (std::size_t i = 0; i < stores.size(); ++i) {

@@ -31,6 +31,7 @@ constexpr int kMapPx = 512;
 struct Options {
   std::string tree;
   std::vector<std::string> dems;
+  std::vector<std::string> orthos;
   std::string json;
   std::string report;
   bool images = false;
@@ -41,6 +42,7 @@ struct Options {
 void declare(CLI::App& app, Options& o) {
   app.add_option("TREE", o.tree, "The tree to examine (.tintree)")->required();
   app.add_option("--dem", o.dems, "The elevation models that the tree was built from, in the same order")->required();
+  app.add_option("--ortho", o.orthos, "The photos that the textures were made from, to compare these with them");
   app.add_option("--json", o.json, "Also write the report to this file as JSON");
   app.add_option("--report", o.report, "Also write a page with maps, charts and pictures into this folder");
   app.add_flag("--images", o.images, "Also draw views and compare them with the full-resolution surface");
@@ -66,11 +68,11 @@ Expected<void> write_report(const std::string& folder, const tintree::audit::Rep
 
 /// Prints and writes what was found; fails when anything was.
 Expected<void> publish(const Options& o, const tintree::audit::ReportInput& found) {
-  if (!o.quiet) fmt::print("{}", report_text(found.tree, found.images));
+  if (!o.quiet) fmt::print("{}", report_text(found.tree, found.images, found.pictures));
   const std::string verdict = tintree::audit::verdict(found.tree);
   fmt::print("{}\n", verdict);
   if (!o.json.empty()) {
-    nlohmann::ordered_json json = tintree::audit::report_json(found.tree, found.images);
+    nlohmann::ordered_json json = tintree::audit::report_json(found.tree, found.images, found.pictures);
     json["peak_rss_bytes"] = tintree::app::peak_rss_bytes();
     if (auto written = tintree::app::write_json(o.json, json); !written) return written;
   }
@@ -105,10 +107,22 @@ Expected<void> run(const Options& o) {
   options.progress = [&progress](const std::string& step, std::uint64_t done, std::uint64_t total) {
     progress.report(step, done, total);
   };
+  std::optional<tintree::cache::OrthoSource> photos;
+  if (!o.orthos.empty()) {
+    auto opened = tintree::cache::OrthoSource::open(o.orthos, source->info());
+    if (!opened) return tl::unexpected(opened.error());
+    photos.emplace(std::move(*opened));
+  }
   auto report = tintree::audit::audit_tree(*store, *source, options);
   if (!report) return tl::unexpected(report.error());
   const tintree::audit::AuditContext context{*store, *source,
                                              [](std::int64_t) { return !tintree::app::stop_requested(); }};
+  std::optional<tintree::audit::PictureReport> pictures;
+  if (store->manifest().texture_size > 0 || store->manifest().normal_maps) {
+    auto examined = tintree::audit::audit_pictures(context, photos ? &*photos : nullptr, report->violations);
+    if (!examined) return tl::unexpected(examined.error());
+    pictures.emplace(*examined);
+  }
   std::optional<tintree::audit::ImageReport> images;
   if (o.images) {
     auto compared = tintree::audit::audit_images(context, {}, report->violations);
@@ -116,7 +130,7 @@ Expected<void> run(const Options& o) {
     images.emplace(std::move(*compared));
   }
   progress.close();
-  return publish(o, {context, *report, images ? &*images : nullptr});
+  return publish(o, {context, *report, images ? &*images : nullptr, pictures ? &*pictures : nullptr});
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ std::vector<Violation> by_severity(const TreeReport& report) {
   return sorted;
 }
 
-std::string report_text(const TreeReport& report, const ImageReport* images) {
+std::string report_text(const TreeReport& report, const ImageReport* images, const PictureReport* pictures) {
   std::string out = fmt::format("{:>5} {:>7} {:>10} {:>10} {:>12} {:>9} {:>10} {:>10} {:>10} {:>10} {:>6} {:>10}\n",
                                 "level", "tiles", "triangles", "bound m", "vertical max", "max/bound", "rms m",
                                 "99.9 % m", "border max", "gap m", "gap px", "violations");
@@ -93,6 +93,15 @@ std::string report_text(const TreeReport& report, const ImageReport* images) {
                    "maximum {:.6g} m\n",
                    h.tile.text(), h.cells.column0, h.cells.column1, h.cells.row0, h.cells.row1, h.hausdorff_m,
                    h.error_bound_m, h.vertical_max_m);
+  }
+  if (pictures != nullptr) {
+    fmt::format_to(to, "{} textures", pictures->textures);
+    if (pictures->photo_rms > 0)
+      fmt::format_to(to, ", the leaves' {:.2f} steps of 255 off the photo (RMS)", pictures->photo_rms);
+    fmt::format_to(to, "; {} normal maps", pictures->normal_maps);
+    if (pictures->normal_rms > 0)
+      fmt::format_to(to, ", the leaves' {:.4f} off the DEM's normals (RMS)", pictures->normal_rms);
+    fmt::format_to(to, "\n");
   }
   if (images != nullptr) put_views(to, *images);
   fmt::format_to(to, "{:.1f} s, {:.1f} million samples a second\n", report.seconds, report.samples_per_second / 1e6);
@@ -117,7 +126,7 @@ std::string verdict(const TreeReport& report) {
                      tiles, report.levels.size(), 100 * ratio);
 }
 
-nlohmann::ordered_json report_json(const TreeReport& report, const ImageReport* images) {
+nlohmann::ordered_json report_json(const TreeReport& report, const ImageReport* images, const PictureReport* pictures) {
   nlohmann::ordered_json json;
   json["verdict"] = report.violations.empty() ? "pass" : "fail";
   json["violations"] = report.violations.size();
@@ -133,6 +142,12 @@ nlohmann::ordered_json report_json(const TreeReport& report, const ImageReport* 
                                  {"hausdorff_m", h.hausdorff_m},
                                  {"error_bound_m", h.error_bound_m},
                                  {"vertical_max_m", h.vertical_max_m}});
+  }
+  if (pictures != nullptr) {
+    json["textures"] = pictures->textures;
+    json["texture_rms"] = pictures->photo_rms;
+    json["normal_maps"] = pictures->normal_maps;
+    json["normal_rms"] = pictures->normal_rms;
   }
   if (images != nullptr) json["views"] = views_json(*images);
   json["violation_list"] = nlohmann::ordered_json::array();

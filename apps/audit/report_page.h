@@ -4,6 +4,7 @@
 #include <string>
 
 #include "apps/audit/image_report.h"
+#include "apps/audit/picture_audit.h"
 #include "apps/audit/tree_audit.h"
 
 namespace tintree::audit {
@@ -11,8 +12,9 @@ namespace tintree::audit {
 /// Everything that the page shows.
 struct ReportInput {
   const AuditContext& context;
-  const TreeReport& tree;               ///< Measured with AuditOptions::map_px > 0.
-  const ImageReport* images = nullptr;  ///< Null when pictures were not compared.
+  const TreeReport& tree;                   ///< Measured with AuditOptions::map_px > 0.
+  const ImageReport* images = nullptr;      ///< Null when pictures were not compared.
+  const PictureReport* pictures = nullptr;  ///< Null when the tree has no textures or normal maps.
 };
 
 /// Makes the report: one HTML page that holds its pictures and needs nothing else. The verdict first, then what

@@ -28,6 +28,8 @@ const char* kind_name(ViolationKind kind) {
       return "stored_figure";
     case ViolationKind::kHausdorff:
       return "hausdorff";
+    case ViolationKind::kPicture:
+      return "picture";
     case ViolationKind::kImage:
       return "image";
   }

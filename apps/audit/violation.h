@@ -21,6 +21,7 @@ enum class ViolationKind {
   kBound,         ///< The tile is farther from the surface than its level allows.
   kStoredFigure,  ///< A stored figure is not what is measured.
   kHausdorff,     ///< CGAL finds a larger distance than the vertical maximum.
+  kPicture,       ///< A texture or normal map is damaged, missing, or lies or shows wrong.
   kImage,         ///< A picture drawn from the tree is not that of the surface within a pixel.
 };
 

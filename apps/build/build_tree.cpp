@@ -101,16 +101,51 @@ Expected<BuildReport> report_finished(const BuildOptions& options, const cache::
     level.error_m = std::max(level.error_m, tile->info.error_m);
     level.rms_m = std::numeric_limits<double>::quiet_NaN();  // the file does not hold what that takes
   }
+  for (const auto& [kind, summary] : {std::pair{cache::PictureKind::kTexture, &report.textures},
+                                      std::pair{cache::PictureKind::kNormal, &report.normals}}) {
+    const auto keys = store->picture_keys(kind);
+    if (!keys) return tl::unexpected(keys.error());
+    const auto bytes = store->picture_bytes(kind);
+    if (!bytes) return tl::unexpected(bytes.error());
+    summary->pictures = keys->size();
+    summary->bytes = *bytes;
+  }
   return report;
 }
 
+/// Makes textures and normal maps, as the manifest says; fills in the report.
+Expected<void> make_all_pictures(const simplify::ReferenceSurface& surface,
+                                 const std::optional<cache::OrthoSource>& photos, cache::TileWriter& writer,
+                                 const simplify::ProgressFn& progress, BuildReport& report) {
+  const auto mark = Clock::now();
+  const cache::Manifest& manifest = report.manifest;
+  if (photos) {
+    const auto make_layer = [&] { return simplify::make_texture_layer(manifest, *photos); };
+    auto made =
+        simplify::make_pictures(cache::PictureKind::kTexture, make_layer, manifest, writer, progress, stop_flag());
+    if (auto same = photos->check_unchanged(); !same) return same;
+    if (!made) return tl::unexpected(made.error());
+    report.textures = *made;
+  }
+  if (manifest.normal_maps) {
+    const auto make_layer = [&] { return simplify::make_normal_layer(manifest, surface, stop_flag()); };
+    auto made =
+        simplify::make_pictures(cache::PictureKind::kNormal, make_layer, manifest, writer, progress, stop_flag());
+    if (!made) return tl::unexpected(made.error());
+    report.normals = *made;
+  }
+  report.picture_seconds = seconds_since(mark);
+  return {};
+}
+
 /// Makes, measures and finishes; fills in the report.
-Expected<void> make_tree(const simplify::ReferenceSurface& surface, cache::TileWriter& writer,
-                         const simplify::ProgressFn& progress, BuildReport& report) {
+Expected<void> make_tree(const simplify::ReferenceSurface& surface, const std::optional<cache::OrthoSource>& photos,
+                         cache::TileWriter& writer, const simplify::ProgressFn& progress, BuildReport& report) {
   auto mark = Clock::now();
   auto levels = simplify::make_tiles(surface, report.manifest, writer, progress, stop_flag());
   if (!levels) return tl::unexpected(levels.error());
   report.make_seconds = seconds_since(mark);
+  if (auto pictures = make_all_pictures(surface, photos, writer, progress, report); !pictures) return pictures;
   mark = Clock::now();
   auto done = simplify::measure_tiles(surface, report.manifest, writer, *levels, progress);
   // Measuring reads the file once more: a change explains a failure, and makes a success worthless.
@@ -145,7 +180,9 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
     return fail(ErrorCode::kBadData, "holds no surface: nowhere do three samples of a cell have heights",
                 input->info.path);
 
-  cache::Manifest manifest = describe_tree(options, input->info);
+  auto photos = open_photos(options, input->info, progress);
+  if (!photos) return tl::unexpected(photos.error());
+  cache::Manifest manifest = describe_tree(options, input->info, *photos);
   manifest.samples_digest = (*surface)->digest();
   auto steps = simplify::choose_height_steps(**surface, manifest.layout);
   if (!steps) {
@@ -163,7 +200,7 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
                                                : cache::TileWriter::create(options.output, manifest);
     if (!writer) return tl::unexpected(writer.error());
     report.manifest = std::move(manifest);
-    if (auto made = make_tree(**surface, *writer, progress, report); !made) {
+    if (auto made = make_tree(**surface, *photos, *writer, progress, report); !made) {
       return tl::unexpected(with_remedy(made.error(), options));
     }
   }

@@ -7,6 +7,7 @@
 
 #include "cache/manifest.h"
 #include "codec/error.h"
+#include "simplify/picture_pyramid.h"
 #include "simplify/tree_builder.h"
 
 namespace tintree::app {
@@ -19,6 +20,10 @@ struct BuildOptions {
   std::string method = "tin";
   std::string effort = "fast";
   int tile_cells = 256;
+  std::vector<std::string> orthos;  ///< Photos to drape over the terrain; where they overlap, the later one counts.
+  std::optional<int> texture_size;  ///< Texels along a tile's side; default 256, and more where the photos are finer.
+  std::string texture_codec = "bc1";
+  bool normal_maps = false;
   int threads = 0;  ///< 0: all cores.
   std::uint64_t memory_mib = 1024;
   cache::NodataPolicy nodata = cache::NodataPolicy::kHole;
@@ -40,6 +45,9 @@ struct BuildReport {
   double read_seconds = 0;
   double make_seconds = 0;
   double measure_seconds = 0;
+  double picture_seconds = 0;         ///< Textures and normal maps.
+  simplify::PictureSummary textures;  ///< Nothing without --ortho.
+  simplify::PictureSummary normals;   ///< Nothing without --normal-maps.
   int threads = 0;
 };
 

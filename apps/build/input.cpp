@@ -20,6 +20,22 @@ constexpr std::uint64_t kWorkMiB = 96;
 /// GDAL's part of the caches of the DEM is one in this many.
 constexpr std::uint64_t kGdalShare = 8;
 
+/// Textures are this large by default, or twice that or four times where the photos are finer.
+constexpr int kTextureSize = 256;
+constexpr int kMostTextureSize = 1024;
+
+/// Where temporary files go.
+std::string scratch_folder(const BuildOptions& options) {
+  return options.output.empty() ? fs::temp_directory_path().string() : folder_of(options.output);
+}
+
+/// The least usual size whose texels, in a leaf, are hardly larger than the photos' pixels.
+int default_texture_size(int tile_cells, double pixel_samples) {
+  int size = kTextureSize;
+  while (size < kMostTextureSize && tile_cells > 1.25 * pixel_samples * size) size *= 2;
+  return size;
+}
+
 }  // namespace
 
 std::string folder_of(const std::string& path) {
@@ -54,7 +70,7 @@ Expected<Input> open_input(const BuildOptions& options, const simplify::Progress
   }
   cache::StageOptions stage;
   stage.nodata = options.nodata;
-  stage.folder = options.output.empty() ? fs::temp_directory_path().string() : folder_of(options.output);
+  stage.folder = scratch_folder(options);
   stage.raster_cache_bytes = memory->raster_bytes;
   stage.block_cache_bytes = memory->blocks_bytes;
   stage.progress = progress;
@@ -67,7 +83,25 @@ Expected<Input> open_input(const BuildOptions& options, const simplify::Progress
   return input;
 }
 
-cache::Manifest describe_tree(const BuildOptions& options, const cache::RasterInfo& info) {
+Expected<std::optional<cache::OrthoSource>> open_photos(const BuildOptions& options, const cache::RasterInfo& dem,
+                                                        const simplify::ProgressFn& progress) {
+  if (options.orthos.empty()) return std::nullopt;
+  const auto memory = share_memory(options);
+  if (!memory) return tl::unexpected(memory.error());
+  auto photos = cache::OrthoSource::open(options.orthos, dem);
+  if (!photos) return tl::unexpected(photos.error());
+  for (const std::string& w : photos->warnings()) {
+    if (!options.quiet) fmt::print(stderr, "tintree-build: warning: {}\n", w);
+  }
+  if (auto staged = photos->stage(scratch_folder(options), memory->raster_bytes, progress); !staged) {
+    return tl::unexpected(staged.error());
+  }
+  cache::set_raster_cache_bytes(memory->raster_bytes);
+  return std::optional(std::move(*photos));
+}
+
+cache::Manifest describe_tree(const BuildOptions& options, const cache::RasterInfo& info,
+                              const std::optional<cache::OrthoSource>& photos) {
   cache::Manifest manifest;
   manifest.method = options.method;
   manifest.effort = options.effort;
@@ -85,6 +119,13 @@ cache::Manifest describe_tree(const BuildOptions& options, const cache::RasterIn
   layout.dx_m = info.dx_m;
   layout.dy_m = info.dy_m;
   layout.axes = info.axes;
+  if (photos) {
+    manifest.texture_size =
+        options.texture_size.value_or(default_texture_size(options.tile_cells, photos->pixel_samples()));
+    manifest.texture_codec = options.texture_codec;
+    manifest.orthos = photos->inputs();
+  }
+  manifest.normal_maps = options.normal_maps;
   layout.leaf_error_m = options.error_m.value_or(std::sqrt(info.dx_m * info.dy_m) / 2);
   return manifest;
 }

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "apps/build/build_tree.h"
 #include "cache/height_blocks.h"
 #include "cache/manifest.h"
+#include "cache/ortho_source.h"
 #include "cache/raster_source.h"
 #include "codec/error.h"
 #include "simplify/tree_builder.h"
@@ -36,7 +38,12 @@ struct Input {
 /// Temporary files lie beside the output or, where there is none, in the folder for temporary files.
 Expected<Input> open_input(const BuildOptions& options, const simplify::ProgressFn& progress);
 
+/// The photos, ready to be read in small windows, or none where none are asked for. Prints their warnings.
+Expected<std::optional<cache::OrthoSource>> open_photos(const BuildOptions& options, const cache::RasterInfo& dem,
+                                                        const simplify::ProgressFn& progress);
+
 /// The manifest of the tree that the options ask for, without the samples' digest and the height steps.
-cache::Manifest describe_tree(const BuildOptions& options, const cache::RasterInfo& info);
+cache::Manifest describe_tree(const BuildOptions& options, const cache::RasterInfo& info,
+                              const std::optional<cache::OrthoSource>& photos);
 
 }  // namespace tintree::app

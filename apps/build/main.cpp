@@ -22,6 +22,13 @@ Expected<void> check(const BuildOptions& o) {
   if (!power_of_two || o.tile_cells < 8 || o.tile_cells > 4096) {
     return tintree::fail(ErrorCode::kUsage, "must be a power of two from 8 to 4096", "--tile");
   }
+  if (o.texture_size) {
+    const int size = *o.texture_size;
+    if (size < 16 || size > 4096 || (size & (size - 1)) != 0)
+      return tintree::fail(ErrorCode::kUsage, "must be a power of two from 16 to 4096", "--texture-size");
+    if (o.orthos.empty())
+      return tintree::fail(ErrorCode::kUsage, "has no effect without --ortho; name a photo", "--texture-size");
+  }
   if (o.error_m && !(std::isfinite(*o.error_m) && *o.error_m > 0)) {
     return tintree::fail(ErrorCode::kUsage, "must be a positive number of metres", "--error");
   }
@@ -57,6 +64,16 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"fast", "best"}))
       ->capture_default_str();
   app.add_option("--tile", o.tile_cells, "DEM cells along a leaf's side, a power of two")->capture_default_str();
+  app.add_option("--ortho", o.orthos,
+                 "Photos to drape over the terrain, in any format and CRS that GDAL reads; the last lies on top");
+  app.add_option(
+      "--texture-size", o.texture_size,
+      "Texels along a tile's side, a power of two (default: 256, or 512 or 1024 where the photos are finer)");
+  app.add_option("--texture-codec", o.texture_codec,
+                 "bc1 is drawn as it is stored, jpeg takes less of the disk and more of the card")
+      ->check(CLI::IsMember({"bc1", "jpeg"}))
+      ->capture_default_str();
+  app.add_flag("--normal-maps", o.normal_maps, "Store normal maps, so that coarse tiles are lit like fine ones");
   app.add_option("--threads", o.threads, "Threads to use, 0 for all cores")->capture_default_str();
   app.add_option("--memory", o.memory_mib, "Memory to stay within, MiB")
       ->check(CLI::PositiveNumber)

@@ -163,13 +163,16 @@ Expected<TreePlan> plan_in_arena(const BuildOptions& options) {
   auto shares = share_memory(options);
   if (!shares) return tl::unexpected(shares.error());
   Progress line(options.quiet);
-  auto input = open_input(options, [&](const std::string& step, std::uint64_t done, std::uint64_t total) {
+  const auto progress = [&](const std::string& step, std::uint64_t done, std::uint64_t total) {
     line.report(step, done, total);
     return !stop_requested();
-  });
+  };
+  auto input = open_input(options, progress);
   if (!input) return tl::unexpected(input.error());
   const double opening_seconds = seconds_since(begun);
-  cache::Manifest manifest = describe_tree(options, input->info);
+  const auto photos = open_photos(options, input->info, progress);
+  if (!photos) return tl::unexpected(photos.error());
+  cache::Manifest manifest = describe_tree(options, input->info, *photos);
   manifest.layout.z_step_m = simplify::height_steps(manifest.layout);
   TreePlan plan;
   plan.threads = thread_count(options);
@@ -197,8 +200,15 @@ Expected<TreePlan> plan_in_arena(const BuildOptions& options) {
   for (std::size_t l = 0; l < levels.size(); ++l) plan.levels.push_back({levels[l], (*samples)[l].sample.size()});
   plan.make_seconds = schedule(manifest.layout, levels, plan.threads);
   plan.measure_seconds = measuring_seconds(samples->back(), levels.size()) / plan.threads;
-  plan.seconds = plan.read_seconds + plan.make_seconds + plan.measure_seconds;
-  plan.bytes = file_bytes(*samples, levels);
+  auto textures = plan_textures(manifest, *photos);
+  if (!textures) return tl::unexpected(textures.error());
+  auto normals = plan_normals(manifest, input->blocks, stop_flag());
+  if (!normals) return tl::unexpected(normals.error());
+  plan.textures = *textures;
+  plan.normals = *normals;
+  plan.picture_seconds = (textures->make_seconds + normals->make_seconds) / plan.threads;
+  plan.seconds = plan.read_seconds + plan.make_seconds + plan.picture_seconds + plan.measure_seconds;
+  plan.bytes = file_bytes(*samples, levels) + textures->file_bytes + normals->file_bytes;
   const std::uint64_t cached = std::min(input->blocks->cached_bytes(), grown);
   plan.peak_rss_bytes = estimate_memory(*input, *shares, before, grown - cached, plan);
   plan.plan_seconds = seconds_since(begun);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "apps/build/build_tree.h"
+#include "apps/build/plan_pictures.h"
 #include "codec/error.h"
 #include "simplify/tree_builder.h"
 
@@ -23,6 +24,9 @@ struct TreePlan {
   double read_seconds = 0;
   double make_seconds = 0;
   double measure_seconds = 0;
+  double picture_seconds = 0;
+  PicturePlan textures;  ///< Nothing without --ortho.
+  PicturePlan normals;   ///< Nothing without --normal-maps.
   std::uint64_t peak_rss_bytes = 0;
   int threads = 0;
   double plan_seconds = 0;  ///< What the plan itself took.

@@ -28,6 +28,17 @@ simplify::LevelSummary total_of(const BuildReport& report) {
   return total;
 }
 
+/// A line on one kind of pictures, nothing where there are none.
+std::string picture_line(const char* name, int size, const auto& pictures) {
+  if (pictures.pictures == 0) return {};
+  return fmt::format("{} {} of {} x {} texels: {} bytes, {:.2f} thread s\n", pictures.pictures, name, size, size,
+                     pictures.bytes, pictures.make_seconds);
+}
+
+nlohmann::ordered_json picture_json(const auto& pictures) {
+  return {{"pictures", pictures.pictures}, {"bytes", pictures.bytes}, {"thread_seconds", pictures.make_seconds}};
+}
+
 }  // namespace
 
 std::string summary_text(const BuildReport& report, const std::string& output) {
@@ -44,12 +55,15 @@ std::string summary_text(const BuildReport& report, const std::string& output) {
   }
   const simplify::LevelSummary total = total_of(report);
   line("all", total, "");
+  out += picture_line("textures", report.manifest.picture_size(cache::PictureKind::kTexture), report.textures);
+  out += picture_line("normal maps", report.manifest.picture_size(cache::PictureKind::kNormal), report.normals);
   fmt::format_to(std::back_inserter(out),
-                 "{} samples in {:.1f} s ({:.2f} M samples/s on {} threads: read {:.1f}, make {:.1f}, measure {:.1f}), "
+                 "{} samples in {:.1f} s ({:.2f} M samples/s on {} threads: read {:.1f}, make {:.1f}, pictures {:.1f}, "
+                 "measure {:.1f}), "
                  "peak memory {:.0f} MiB\n",
                  report.samples, report.seconds, static_cast<double>(report.samples) / report.seconds / 1e6,
-                 report.threads, report.read_seconds, report.make_seconds, report.measure_seconds,
-                 static_cast<double>(peak_rss_bytes()) / (1 << 20));
+                 report.threads, report.read_seconds, report.make_seconds, report.picture_seconds,
+                 report.measure_seconds, static_cast<double>(peak_rss_bytes()) / (1 << 20));
   fmt::format_to(std::back_inserter(out), "{}: {} bytes; {:.4f} bits per sample (whole file {:.4f})\ndigest {}\n",
                  output, report.file_bytes, bits_per(total.bytes, report.samples),
                  bits_per(report.file_bytes, report.samples), report.manifest.digest);
@@ -77,6 +91,11 @@ std::string plan_text(const TreePlan& plan) {
                  static_cast<double>(plan.bytes) / (1 << 20), plan.seconds, plan.threads, plan.read_seconds,
                  plan.make_seconds, plan.measure_seconds, static_cast<double>(plan.peak_rss_bytes) / (1 << 20),
                  plan.plan_seconds);
+  if (plan.textures.pictures + plan.normals.pictures > 0) {
+    fmt::format_to(std::back_inserter(out), "with about {} textures, {:.3g} MiB, and {} normal maps, {:.3g} MiB\n",
+                   plan.textures.pictures, static_cast<double>(plan.textures.bytes) / (1 << 20), plan.normals.pictures,
+                   static_cast<double>(plan.normals.bytes) / (1 << 20));
+  }
   return out;
 }
 
@@ -98,6 +117,7 @@ nlohmann::ordered_json plan_json(const TreePlan& plan, const BuildOptions& optio
           {"seconds", plan.seconds},
           {"read_seconds", plan.read_seconds},
           {"make_seconds", plan.make_seconds},
+          {"picture_seconds", plan.picture_seconds},
           {"measure_seconds", plan.measure_seconds},
           {"thread_seconds", plan.total.make_seconds},
           {"threads", plan.threads},
@@ -111,6 +131,8 @@ nlohmann::ordered_json plan_json(const TreePlan& plan, const BuildOptions& optio
           {"vertices", plan.total.vertices},
           {"triangles", plan.total.triangles},
           {"payload_bytes", plan.total.bytes},
+          {"textures", picture_json(plan.textures)},
+          {"normal_maps", picture_json(plan.normals)},
           {"bytes", plan.bytes},
           {"levels", levels}};
 }
@@ -136,6 +158,7 @@ nlohmann::ordered_json summary_json(const BuildReport& report) {
   return {{"seconds", report.seconds},
           {"read_seconds", report.read_seconds},
           {"make_seconds", report.make_seconds},
+          {"picture_seconds", report.picture_seconds},
           {"measure_seconds", report.measure_seconds},
           {"threads", report.threads},
           {"samples", report.samples},
@@ -151,6 +174,11 @@ nlohmann::ordered_json summary_json(const BuildReport& report) {
           {"vertices", total.vertices},
           {"triangles", total.triangles},
           {"payload_bytes", total.bytes},
+          {"texture_size", report.manifest.texture_size},
+          {"textures", picture_json(report.textures)},
+          {"textures_made", report.textures.made},
+          {"normal_maps", picture_json(report.normals)},
+          {"normal_maps_made", report.normals.made},
           {"bytes", report.file_bytes},
           {"bits_per_sample", bits_per(total.bytes, report.samples)},
           {"file_bits_per_sample", bits_per(report.file_bytes, report.samples)},

@@ -3,11 +3,16 @@
 in vec3 from_eye;
 in vec3 normal;
 in float rise;
+in vec2 on_tile;               // 0 to 1 eastward and southward
 
 uniform vec3 to_sun;           // unit vector
 uniform float relief;          // metres from the lowest ground to the highest: the range of the tint
 uniform float haze_begin;      // metres from the eye
 uniform float haze_per_metre;
+uniform sampler2D photo;              // light, times what of it a photo covers; and that share
+uniform sampler2D normal_directions;  // east and north of unit normals
+uniform sampler2D normal_lengths;     // of mean normals: the shorter the rougher the ground
+uniform int normal_mapped;            // 0: the tile has no normal map
 
 out vec4 color;
 
@@ -28,18 +33,33 @@ vec3 hypsometric(float t) {
   return tint;
 }
 
+// The outer texels lie on the tile's sides, which they share with its neighbours.
+vec2 place_in(sampler2D picture) {
+  vec2 size = vec2(textureSize(picture, 0));
+  return (on_tile * (size - 1.0) + 0.5) / size;
+}
+
 void main() {
   vec3 n = normalize(normal);
+  float smoothness = 1.0;
+  if (normal_mapped != 0) {
+    vec2 east_north = texture(normal_directions, place_in(normal_directions)).xy;
+    n = normalize(vec3(east_north, sqrt(max(1.0 - dot(east_north, east_north), 1e-4))));
+    smoothness = texture(normal_lengths, place_in(normal_lengths)).x;
+  }
   // From below the surface shows its other side.
   if (dot(n, from_eye) > 0.0 && !gl_FrontFacing) n = -n;
   vec3 albedo = hypsometric(clamp(rise / relief, 0.0, 1.0));
   // Little grows on steep ground.
   albedo = mix(to_linear(vec3(0.52, 0.47, 0.43)), albedo, smoothstep(0.45, 0.85, abs(n.z)));
 
+  vec4 seen = texture(photo, place_in(photo));
+  albedo = seen.rgb + (1.0 - seen.a) * albedo;
+
   const vec3 kSun = vec3(1.45, 1.36, 1.20);
   const vec3 kSky = vec3(0.17, 0.21, 0.28);
   const vec3 kGround = vec3(0.08, 0.07, 0.06);
-  vec3 light = kSun * max(dot(n, to_sun), 0.0) + mix(kGround, kSky, 0.5 + 0.5 * n.z);
+  vec3 light = kSun * max(smoothness * dot(n, to_sun), 0.0) + mix(kGround, kSky, 0.5 + 0.5 * n.z);
   vec3 lit = albedo * light;
 
   float haze = 1.0 - exp(-haze_per_metre * max(length(from_eye) - haze_begin, 0.0));

@@ -5,12 +5,14 @@ layout(location = 1) in vec2 normal_xy;
 
 uniform mat4 address_to_eye;   // grid addresses to metres east, north, up of the eye
 uniform mat4 eye_to_clip;
+uniform float tile_share;      // of a tile's side that an address step is
 uniform float skirt_slope;     // metres of skirt a metre of distance
 uniform float eye_rise;        // metres of the eye above the lowest ground
 
 out vec3 from_eye;
 out vec3 normal;
 out float rise;                // metres above the lowest ground
+out vec2 on_tile;              // place on the tile's square, 0 to 1 eastward and southward
 
 void main() {
   uint high = packed_address.w;
@@ -28,6 +30,7 @@ void main() {
     position += reach * vec3(0.5 * outward, -1.0);
   }
   from_eye = position;
+  on_tile = tile_share * address.xy;
   normal = vec3(normal_xy, sqrt(max(0.0, 1.0 - dot(normal_xy, normal_xy))));
   gl_Position = eye_to_clip * vec4(position, 1.0);
 }

@@ -24,6 +24,8 @@ GDALDataType gdal_type(SampleType type) {
   return GDT_Float64;
 }
 
+}  // namespace
+
 void set_georeference(GDALDataset& dataset, const RasterSpec& spec) {
   if (spec.epsg == 0) return;
   const double c = std::cos(spec.turn_rad);
@@ -35,8 +37,6 @@ void set_georeference(GDALDataset& dataset, const RasterSpec& spec) {
     throw std::runtime_error("GDAL refuses the georeference");
   }
 }
-
-}  // namespace
 
 void write_raster(const std::string& path, const RasterSpec& spec, const HeightFunction& height) {
   GDALAllRegister();

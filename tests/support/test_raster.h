@@ -8,6 +8,8 @@
 
 #include "cache/raster_source.h"
 
+class GDALDataset;
+
 namespace tintree::test {
 
 inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
@@ -29,6 +31,9 @@ struct RasterSpec {
   int tile = 0;                          ///< Side of the blocks; 0: rows.
   bool deflate = false;
 };
+
+/// Gives a dataset the place and CRS of `spec`; throws std::runtime_error when GDAL refuses.
+void set_georeference(GDALDataset& dataset, const RasterSpec& spec);
 
 /// Height of the sample at (column, row); kMissing for none.
 using HeightFunction = std::function<double(int column, int row)>;

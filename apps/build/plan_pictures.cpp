@@ -1,0 +1,76 @@
+#include "apps/build/plan_pictures.h"
+
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+#include "cache/packed_size.h"
+#include "simplify/picture_layer.h"
+#include "simplify/reference_surface.h"
+#include "simplify/stored_tile.h"
+
+namespace tintree::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kSampled = 8;
+
+struct Leaves {
+  std::vector<codec::TileId> sampled;  ///< Evenly spread.
+  std::uint64_t tiles = 0;             ///< Of all levels.
+};
+
+Leaves choose_leaves(const codec::TreeLayout& layout) {
+  std::vector<codec::TileId> all = simplify::list_tiles(layout);
+  Leaves out{{}, all.size()};
+  std::erase_if(all, [&layout](const codec::TileId& id) { return id.level < layout.leaf_level; });
+  const std::size_t count = std::min(kSampled, all.size());
+  for (std::size_t i = 0; i < count; ++i) out.sampled.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
+  return out;
+}
+
+/// Makes the sampled leaves and scales what they come to up to all tiles.
+Expected<PicturePlan> judge(simplify::PictureLayer& layer, const Leaves& leaves) {
+  const auto begun = Clock::now();
+  std::vector<std::uint64_t> sizes;
+  std::uint64_t sum = 0;
+  for (const codec::TileId& id : leaves.sampled) {
+    const auto values = layer.make_leaf(id);
+    if (!values) return tl::unexpected(values.error());
+    const auto payload = layer.encode(*values);
+    if (!payload) return tl::unexpected(payload.error());
+    if (!payload->empty()) sizes.push_back(payload->size());
+    sum += payload->size();
+  }
+  PicturePlan plan;
+  const auto sampled = static_cast<double>(leaves.sampled.size());
+  const double factor = static_cast<double>(leaves.tiles) / sampled;
+  plan.make_seconds = std::chrono::duration<double>(Clock::now() - begun).count() * factor;
+  plan.pictures = static_cast<std::uint64_t>(static_cast<double>(sizes.size()) * factor);
+  plan.bytes = static_cast<std::uint64_t>(static_cast<double>(sum) * factor);
+  cache::PackedSize size;
+  for (std::uint64_t i = 0; i < plan.pictures; ++i) size.add(sizes[i % sizes.size()]);
+  plan.file_bytes = plan.pictures > 0 ? size.bytes() : 0;
+  return plan;
+}
+
+}  // namespace
+
+Expected<PicturePlan> plan_textures(const cache::Manifest& manifest, const std::optional<cache::OrthoSource>& photos) {
+  if (!photos) return PicturePlan{};
+  return judge(*simplify::make_texture_layer(manifest, *photos), choose_leaves(manifest.layout));
+}
+
+Expected<PicturePlan> plan_normals(const cache::Manifest& manifest, const std::shared_ptr<cache::HeightBlocks>& blocks,
+                                   const StopFlag* stop) {
+  if (!manifest.normal_maps) return PicturePlan{};
+  const Leaves leaves = choose_leaves(manifest.layout);
+  std::vector<codec::CellRect> windows;
+  for (const codec::TileId& id : leaves.sampled) windows.push_back(manifest.layout.cells(id));
+  const auto surface = simplify::ReferenceSurface::scan_windows(blocks, windows, stop);
+  if (!surface) return tl::unexpected(surface.error());
+  return judge(*simplify::make_normal_layer(manifest, **surface, stop), leaves);
+}
+
+}  // namespace tintree::app
