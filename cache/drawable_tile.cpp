@@ -117,6 +117,7 @@ DrawableTile make_drawable(const codec::TreeLayout& layout, const codec::TileId&
   for (const codec::Triangle& t : mesh.triangles) tile.indices.insert(tile.indices.end(), t.begin(), t.end());
   tile.surface_triangles = static_cast<std::uint32_t>(mesh.triangles.size());
   SkirtMaker(layout, mesh, tile).add();
+  tile.occluder = std::make_shared<const Occluder>(make_occluder(layout, id, mesh));
   return tile;
 }
 

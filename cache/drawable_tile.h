@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "cache/occluder.h"
 #include "codec/grid_frame.h"
 #include "codec/tile_id.h"
 #include "codec/tile_mesh.h"
@@ -31,9 +33,11 @@ struct DrawableTile {
   std::vector<DrawVertex> vertices;
   std::vector<std::uint32_t> indices;  ///< Triangles, counter-clockwise from above: the surface, then the skirt.
   std::uint32_t surface_triangles = 0;
+  std::shared_ptr<const Occluder> occluder;  ///< What the surface hides; never null.
 
   std::size_t bytes() const {
-    return sizeof *this + vertices.size() * sizeof(DrawVertex) + indices.size() * sizeof(std::uint32_t);
+    return sizeof *this + vertices.size() * sizeof(DrawVertex) + indices.size() * sizeof(std::uint32_t) +
+           occluder->bytes();
   }
 };
 

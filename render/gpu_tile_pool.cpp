@@ -43,6 +43,7 @@ void GpuTilePool::upload(const cache::DrawableTile& tile) {
   out.index_count = static_cast<GLsizei>(tile.indices.size());
   out.surface_triangles = tile.surface_triangles;
   out.frame = tile.frame;
+  out.occluder = tile.occluder;
   out.bytes = vertex_bytes + index_bytes;
   bytes_ += out.bytes;
   tiles_[tile.id.key()] = {out, frame_};

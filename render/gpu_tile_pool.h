@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <unordered_map>
 
 #include "cache/drawable_tile.h"
@@ -18,6 +19,7 @@ struct GpuTile {
   GLsizei index_count = 0;  ///< Surface and skirt.
   std::uint32_t surface_triangles = 0;
   codec::GridFrame frame;
+  std::shared_ptr<const cache::Occluder> occluder;
   std::size_t bytes = 0;
 };
 

@@ -1,19 +1,36 @@
 #include "render/lod_cut.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <utility>
 
 #include "render/frustum.h"
+#include "render/occlusion.h"
 
 namespace tintree::render {
 namespace {
 
+/// Levels below a node whose boxes are asked whether they hide with it.
+constexpr int kLookBelow = 2;
+
 class Walk {
  public:
-  Walk(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options, const IsResident& resident)
-      : bounds_(bounds), camera_(camera), frustum_(camera), options_(options), resident_(resident) {}
+  Walk(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options, const IsResident& resident,
+       const OccluderOf& occluder_of)
+      : bounds_(bounds),
+        camera_(camera),
+        frustum_(camera),
+        options_(options),
+        resident_(resident),
+        occluder_of_(occluder_of),
+        horizon_(occluder_of ? Horizon(camera) : Horizon()) {
+    const auto [column, row] = bounds.layout().grid(camera.eye.x, camera.eye.y);
+    eye_column_ = column;
+    eye_row_ = row;
+    if (!holds_eye(bounds.layout().cells({}))) horizon_.place_eye(false);
+  }
 
   LodCut run() {
     if (!bounds_.nodes().empty()) visit(0);
@@ -24,25 +41,60 @@ class Walk {
 
  private:
   struct Seen {
-    bool outside = false;
+    bool unseen = false;  ///< Outside the frustum, or hidden.
     double nearest_m = 0;
     double farthest_m = 0;
     double error_px = 0;
   };
 
-  Seen look(const cache::TileNode& node) const {
+  Seen look(const cache::TileNode& node) {
     const cache::Box box = bounds_.box(node);
-    if (frustum_.outside(box)) return {true, 0, 0, 0};
+    if (frustum_.outside(box)) {
+      if (holds_eye(node)) horizon_.place_eye(camera_.eye.z > box.max[2]);
+      return {true, 0, 0, 0};
+    }
+    if (horizon_.usable() && horizon_.placed() && hidden(node, box, 0, kLookBelow)) {
+      ++cut_.occluded;
+      return {true, 0, 0, 0};
+    }
     const double nearest_m = frustum_.nearest_depth_m(box);
     return {false, nearest_m, frustum_.farthest_depth_m(box),
             projected_error_px(static_cast<double>(node.lod_error_m), nearest_m, camera_)};
   }
 
+  /// A node is hidden with its box, or with the boxes of those below it, which fit closer: its tile, and any
+  /// between, leaves them by no more than its error and theirs.
+  bool hidden(const cache::TileNode& node, const cache::Box& box, double error_m, int look_below) const {
+    if (horizon_.hides(box)) return true;
+    if (look_below == 0 || has_hole(node) || node.child_mask == 0) return false;
+    const auto children = bounds_.nodes().subspan(node.first_child, std::popcount(unsigned{node.child_mask}));
+    error_m = std::max(error_m, static_cast<double>(node.lod_error_m));
+    return std::ranges::all_of(children, [&](const cache::TileNode& child) {
+      cache::Box inner = bounds_.box(child);
+      inner.max[2] = std::min(inner.max[2] + error_m + static_cast<double>(child.lod_error_m), box.max[2]);
+      return hidden(child, inner, error_m, look_below - 1);
+    });
+  }
+
+  /// Whether a quadrant of the raster has no tile below this node.
+  bool has_hole(const cache::TileNode& node) const {
+    return std::ranges::any_of(std::array{0, 1, 2, 3}, [&](int q) { return is_hole(node, q); });
+  }
+  bool is_hole(const cache::TileNode& node, int quadrant) const {
+    return (node.child_mask >> quadrant & 1) == 0 && !bounds_.layout().cells(node.id.child(quadrant)).empty();
+  }
+
+  bool holds_eye(const codec::CellRect& c) const {
+    return eye_column_ >= static_cast<double>(c.column0) && eye_column_ <= static_cast<double>(c.column1) &&
+           eye_row_ >= static_cast<double>(c.row0) && eye_row_ <= static_cast<double>(c.row1);
+  }
+  bool holds_eye(const cache::TileNode& node) const { return holds_eye(bounds_.layout().cells(node.id)); }
+
   /// Draws all that is visible under a node; false when it cannot, and then has drawn nothing of it.
   bool visit(std::uint32_t index) {
     const cache::TileNode& node = bounds_.nodes()[index];
     const Seen seen = look(node);
-    if (seen.outside) return true;
+    if (seen.unseen) return true;
     const bool leaf = node.child_mask == 0;
     if (leaf || seen.error_px <= options_.pixel_error) return take(index, seen);
     if (visit_children(index, [this](std::uint32_t child) { return visit(child); })) return true;
@@ -68,7 +120,7 @@ class Walk {
   /// Covers a node by itself or by finer tiles, asking for nothing.
   bool stand_in_finer(std::uint32_t index) {
     const Seen seen = look(bounds_.nodes()[index]);
-    if (seen.outside) return true;
+    if (seen.unseen) return true;
     if (!resident_(index)) return visit_children(index, [this](std::uint32_t child) { return stand_in_finer(child); });
     draw(index, seen, true);
     return true;
@@ -82,19 +134,27 @@ class Walk {
     if (node.child_mask == 0) return false;
     const std::size_t drawn = cut_.draws.size();
     const std::uint32_t leaf_limited = cut_.leaf_limited;
+    const std::uint32_t occluded = cut_.occluded;
+    const Horizon horizon = horizon_;
     bool covered = true;
     const unsigned nearest = nearest_quadrant(node.id);
     // Of four quadrants round a point the eye's own is in front, the opposite one at the back.
     for (unsigned i = 0; i < 4; ++i) {
       const unsigned quadrant = nearest ^ i;
       const unsigned mask = node.child_mask;
-      if ((mask >> quadrant & 1U) == 0) continue;
+      if ((mask >> quadrant & 1U) == 0) {
+        if (horizon_.usable() && is_hole(node, static_cast<int>(quadrant)))
+          pass_hole(node.id.child(static_cast<int>(quadrant)));
+        continue;
+      }
       const auto before = static_cast<std::uint32_t>(std::popcount(mask & ((1U << quadrant) - 1)));
       covered = visit_child(node.first_child + before) && covered;
     }
     if (covered) return true;
     cut_.draws.resize(drawn);
     cut_.leaf_limited = leaf_limited;
+    cut_.occluded = occluded;
+    horizon_ = horizon;
     return false;
   }
 
@@ -107,6 +167,29 @@ class Walk {
 
   void draw(std::uint32_t index, const Seen& seen, bool stands_in) {
     cut_.draws.push_back({index, seen.error_px, seen.nearest_m, seen.farthest_m, stands_in});
+    if (horizon_.usable()) hide_behind(index);
+  }
+
+  void hide_behind(std::uint32_t index) {
+    const codec::CellRect cells = bounds_.layout().cells(bounds_.nodes()[index].id);
+    const cache::Occluder* occluder = occluder_of_(index);
+    if (!horizon_.placed() && holds_eye(cells))
+      horizon_.place_eye(occluder != nullptr && camera_.eye.z > occluder->top_m(eye_column_, eye_row_));
+    if (occluder != nullptr) {
+      horizon_.add(*occluder, bounds_.layout());
+    } else {
+      horizon_.open(cells, bounds_.layout());
+    }
+  }
+
+  /// No tile covers these cells of the raster: views through them see what ground behind would hide.
+  void pass_hole(const codec::TileId& id) {
+    const codec::CellRect cells = bounds_.layout().cells(id);
+    if (holds_eye(cells)) horizon_.place_eye(false);
+    cache::Box box = bounds_.box({.id = id});
+    box.min[2] = static_cast<double>(bounds_.nodes().front().z_min_m);
+    box.max[2] = static_cast<double>(bounds_.nodes().front().z_max_m);
+    if (!frustum_.outside(box)) horizon_.open(cells, bounds_.layout());
   }
 
   void summarise() {
@@ -124,6 +207,10 @@ class Walk {
   const Frustum frustum_;
   const CutOptions& options_;
   const IsResident& resident_;
+  const OccluderOf& occluder_of_;
+  Horizon horizon_;
+  double eye_column_ = 0;
+  double eye_row_ = 0;
   LodCut cut_;
 };
 
@@ -136,8 +223,8 @@ double projected_error_px(double lod_error_m, double nearest_depth_m, const Came
 }
 
 LodCut lod_cut(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options,
-               const IsResident& resident) {
-  return Walk(bounds, camera, options, resident).run();
+               const IsResident& resident, const OccluderOf& occluder_of) {
+  return Walk(bounds, camera, options, resident, occluder_of).run();
 }
 
 }  // namespace tintree::render

@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "cache/occluder.h"
 #include "cache/tile_bounds.h"
 #include "codec/tile_id.h"
 #include "render/camera.h"
@@ -31,12 +32,16 @@ struct LodCut {
   double max_error_px = 0;              ///< The largest error_px drawn.
   bool complete = true;                 ///< Every tile that the view wants is resident and drawn.
   std::uint32_t leaf_limited = 0;       ///< Leaves drawn above pixel_error: the data end there.
+  std::uint32_t occluded = 0;           ///< Nodes at which the walk ended because nearer ground hides them.
   double nearest_m = 0;                 ///< Bounds of the depth of what is drawn; both 0 when nothing is.
   double farthest_m = 0;
 };
 
 /// Tells whether a node's tile can be drawn at once.
 using IsResident = std::function<bool(std::uint32_t node)>;
+
+/// The occluder of a resident node's tile; null when it has none.
+using OccluderOf = std::function<const cache::Occluder*(std::uint32_t node)>;
 
 /// The screen-space error of a tile, pixels: an upper bound of how far its vertical error can move any
 /// visible point of it on the screen,
@@ -49,8 +54,11 @@ double projected_error_px(double lod_error_m, double nearest_depth_m, const Came
 /// children, is taken; any other is refined. Where a wanted tile is missing, its finest drawable ancestor
 /// stands in for all that it covers, or finer resident tiles that cover it do, so that the ground never has
 /// a hole once the root is resident. With everything resident the cut depends on the camera alone.
-/// Pure: keeps nothing, changes nothing. Cost: about 0.1 us a node visited.
+/// With `occluder_of` a node that the ground drawn before it hides ends there too, asked for or not
+/// (render/occlusion.h): the picture is the same, to the last pixel.
+/// Pure: keeps nothing, changes nothing. Cost: about 0.1 us a node visited; with occlusion a microsecond, and
+/// ten a tile drawn.
 LodCut lod_cut(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options,
-               const IsResident& resident);
+               const IsResident& resident, const OccluderOf& occluder_of = nullptr);
 
 }  // namespace tintree::render

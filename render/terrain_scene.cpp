@@ -23,8 +23,14 @@ TerrainScene::TerrainScene(const GlFunctions& gl, const cache::TileStore& store,
 
 LodCut TerrainScene::choose(const Camera& camera) {
   // Asking marks as used: what the walk has looked at must not be freed before the rest has come.
-  return lod_cut(bounds(), camera, options_.cut,
-                 [this](std::uint32_t node) { return pool_.use(bounds().nodes()[node].id) != nullptr; });
+  const auto tile = [this](std::uint32_t node) { return pool_.use(bounds().nodes()[node].id); };
+  const OccluderOf occluder_of = [&](std::uint32_t node) {
+    const GpuTile* found = tile(node);
+    return found != nullptr ? found->occluder.get() : nullptr;
+  };
+  return lod_cut(
+      bounds(), camera, options_.cut, [&](std::uint32_t node) { return tile(node) != nullptr; },
+      options_.occlusion ? occluder_of : nullptr);
 }
 
 std::size_t TerrainScene::take_over(std::vector<codec::TileId>& wanted) {

@@ -18,6 +18,7 @@ namespace tintree::render {
 
 struct SceneOptions {
   CutOptions cut;
+  bool occlusion = true;  ///< Leave out what nearer ground hides. The picture is the same with it and without.
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< Main memory for tiles made ready.
   std::size_t gpu_bytes = std::size_t{512} << 20;    ///< Graphics memory for tiles.
   /// The most that update() uploads at once, so that a frame stays short; it uploads one tile at least.
@@ -44,6 +45,7 @@ class TerrainScene {
   cache::TileCache& cache() { return cache_; }
   const GpuTilePool& pool() const { return pool_; }
   CutOptions& cut_options() { return options_.cut; }
+  bool& occlusion() { return options_.occlusion; }
 
  private:
   TerrainScene(const GlFunctions& gl, const cache::TileStore& store, const SceneOptions& options, Renderer renderer);
