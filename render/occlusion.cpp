@@ -99,11 +99,16 @@ void Horizon::add(const cache::Occluder& occluder, const codec::TreeLayout& layo
   };
   const Plan across = step_to(corner(c.column1, c.row0));
   const Plan down = step_to(corner(c.column0, c.row1));
-  for (std::size_t i = 0; i < kLines; ++i) {
+  const auto at = [&](double i, double j) {
+    return Plan{begin.ahead + i * across.ahead + j * down.ahead, begin.right + i * across.right + j * down.right};
+  };
+  const Bins bins = reach(std::array{begin, at(kStrips, 0), at(0, kStrips), at(kStrips, kStrips)});
+  // A tile that is narrow in the picture is as flat to it with fewer lines.
+  const std::size_t stride = bins.end - bins.first > 64 ? 1 : bins.end - bins.first > 16 ? 2 : 4;
+  for (std::size_t i = 0; i < kLines; i += stride) {
     const auto n = static_cast<double>(i);
-    add_line({begin.ahead + n * down.ahead, begin.right + n * down.right}, across, occluder.row_lines[i], lowered_m);
-    add_line({begin.ahead + n * across.ahead, begin.right + n * across.right}, down, occluder.column_lines[i],
-             lowered_m);
+    add_line(at(0, n), across, occluder.row_lines[i], lowered_m);
+    add_line(at(n, 0), down, occluder.column_lines[i], lowered_m);
   }
 }
 
@@ -120,36 +125,44 @@ void Horizon::open(const codec::CellRect& cells, const codec::TreeLayout& layout
 }
 
 void Horizon::add_line(Plan begin, Plan step, const cache::Occluder::Line& heights, double lowered_m) {
-  std::array<std::array<double, 2>, kLines> chain;
-  std::size_t points = 0;
   // The points ahead follow each other, and u along a straight line never turns.
-  for (std::size_t i = 0; i < kLines; ++i) {
-    const double ahead = begin.ahead + static_cast<double>(i) * step.ahead;
-    if (ahead < kNear) continue;
-    const double right = begin.right + static_cast<double>(i) * step.right;
-    const double z = static_cast<double>(heights[i]) - lowered_m - eye_z_;
-    chain[points++] = {(right / ahead - u_low_) * bins_per_u_, z / ahead};
+  const auto ahead = [&](std::size_t i) { return begin.ahead + static_cast<double>(i) * step.ahead; };
+  std::size_t first = 0;
+  std::size_t last = kStrips;
+  while (first < last && ahead(first) < kNear) ++first;
+  while (last > first && ahead(last) < kNear) --last;
+  const auto bin = [&](std::size_t i) {
+    return ((begin.right + static_cast<double>(i) * step.right) / ahead(i) - u_low_) * bins_per_u_;
+  };
+  if (ahead(first) < kNear) return;
+  const double left = bin(first);
+  const double right = bin(last);
+  const bool backward = right < left;
+  if (std::min(std::max(left, right), double{kBins}) < std::max(std::ceil(std::min(left, right)), 0.0) + 1) return;
+  Chain chain;
+  for (std::size_t i = first; i <= last; ++i) {
+    const double share = 1 / ahead(i);
+    const double u = (begin.right + static_cast<double>(i) * step.right) * share;
+    const double rise = static_cast<double>(heights[i]) - lowered_m - eye_z_;
+    chain[backward ? last - i : i - first] = {(u - u_low_) * bins_per_u_, rise * share};
   }
-  if (points < 2) return;
-  if (chain[0][0] > chain[points - 1][0]) std::reverse(chain.begin(), chain.begin() + static_cast<long>(points));
-  raise(chain, points);
+  raise(std::span(chain).first(last - first + 1));
 }
 
-void Horizon::raise(const std::array<std::array<double, 2>, kLines>& chain, std::size_t points) {
-  auto [p0, v0] = chain[0];
-  if (p0 >= double{kBins} || chain[points - 1][0] < std::max(std::ceil(p0), 0.0) + 1) return;
+void Horizon::raise(std::span<const ChainPoint> chain) {
+  auto [p0, v0] = chain.front();
   auto bin = static_cast<std::size_t>(std::max(p0, 0.0));
   bool whole = p0 <= static_cast<double>(bin);  // The chain comes into this bin at its left end.
   double low = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < points; ++i) {
-    const auto [p1, v1] = chain[i];
+  for (const auto& [p1, v1] : chain.subspan(1)) {
     if (p1 > 0) {
       const double slope = p1 > p0 ? (v1 - v0) / (p1 - p0) : 0;
       const auto at = [&](double p) { return v0 + (p - p0) * slope; };
       low = std::min(low, at(std::max(p0, 0.0)));
       for (; static_cast<double>(bin + 1) <= p1; ++bin, whole = true) {
         const double v_end = at(static_cast<double>(bin + 1));
-        if (whole && !open_[bin]) v_[bin] = std::max(v_[bin], round_down(std::min(low, v_end)));
+        const double least = std::min(low, v_end);
+        if (whole && least > static_cast<double>(v_[bin]) && !open_[bin]) v_[bin] = round_down(least);
         if (bin + 1 == kBins) return;
         low = v_end;
       }

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 
 #include "cache/occluder.h"
 #include "cache/tile_bounds.h"
@@ -64,8 +66,13 @@ class Horizon {
   Bins reach(const Corners& corners) const;
   /// A line from `begin` in equal steps, kLines heights.
   void add_line(Plan begin, Plan step, const cache::Occluder::Line& heights, double lowered_m);
-  /// Raises bins by a chain of points in (bin, v), from left to right; a bin counts where the chain crosses it all.
-  void raise(const std::array<std::array<double, 2>, cache::Occluder::kLines>& chain, std::size_t points);
+  struct ChainPoint {
+    double bin = 0;
+    double v = 0;
+  };
+  using Chain = std::array<ChainPoint, cache::Occluder::kLines>;
+  /// Raises the bins that a chain of points, from left to right, crosses from end to end.
+  void raise(std::span<const ChainPoint> chain);
 
   bool usable_ = false;
   bool placed_ = false;
@@ -76,6 +83,32 @@ class Horizon {
   double margin_ = 0;             ///< kMarginPx as a difference of v.
   std::array<float, kBins> v_{};  ///< The horizon's lower bound.
   std::array<bool, kBins> open_{};
+};
+
+/// Whether to leave out what nearer ground hides. The picture is the same either way.
+enum class Occlusion { kOff, kWhereItPays, kAlways };
+
+/// Turns occlusion off where it does not pay: after a frame in which the horizon hid little, the next frames do
+/// without and one in kRest tries again. What it costs elsewhere is thus bounded by a share of kRest of a
+/// cut's time; the picture is the same either way. Depends on the frames' figures alone, not on a clock.
+class OcclusionSwitch {
+ public:
+  static constexpr std::uint32_t kRest = 16;
+  /// Whether this frame's cut is to look for what is hidden.
+  bool on(Occlusion wish) const {
+    return wish == Occlusion::kAlways || (wish == Occlusion::kWhereItPays && rest_ == 0);
+  }
+  /// What came of it: tiles drawn, nodes hidden.
+  void note_frame(std::size_t drawn, std::size_t hidden) {
+    if (rest_ > 0) {
+      --rest_;
+    } else if (8 * hidden < drawn) {
+      rest_ = kRest - 1;
+    }
+  }
+
+ private:
+  std::uint32_t rest_ = 0;  ///< Frames still to go without.
 };
 
 }  // namespace tintree::render

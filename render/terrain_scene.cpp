@@ -30,7 +30,7 @@ LodCut TerrainScene::choose(const Camera& camera) {
   };
   return lod_cut(
       bounds(), camera, options_.cut, [&](std::uint32_t node) { return tile(node) != nullptr; },
-      options_.occlusion ? occluder_of : nullptr);
+      occlusion_pays_.on(options_.occlusion) ? occluder_of : nullptr);
 }
 
 std::size_t TerrainScene::take_over(std::vector<codec::TileId>& wanted) {
@@ -55,6 +55,7 @@ LodCut TerrainScene::update(const Camera& camera) {
   pool_.end_frame();
   LodCut cut = choose(camera);
   if (take_over(cut.requests) > 0) cut = choose(camera);
+  occlusion_pays_.note_frame(cut.draws.size(), cut.occluded);
   cache_.request(cut.requests);
   return cut;
 }

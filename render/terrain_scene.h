@@ -11,6 +11,7 @@
 #include "render/gl_functions.h"
 #include "render/gpu_tile_pool.h"
 #include "render/lod_cut.h"
+#include "render/occlusion.h"
 #include "render/offscreen_target.h"
 #include "render/renderer.h"
 
@@ -18,7 +19,7 @@ namespace tintree::render {
 
 struct SceneOptions {
   CutOptions cut;
-  bool occlusion = true;  ///< Leave out what nearer ground hides. The picture is the same with it and without.
+  Occlusion occlusion = Occlusion::kWhereItPays;
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< Main memory for tiles made ready.
   std::size_t gpu_bytes = std::size_t{512} << 20;    ///< Graphics memory for tiles.
   /// The most that update() uploads at once, so that a frame stays short; it uploads one tile at least.
@@ -45,7 +46,7 @@ class TerrainScene {
   cache::TileCache& cache() { return cache_; }
   const GpuTilePool& pool() const { return pool_; }
   CutOptions& cut_options() { return options_.cut; }
-  bool& occlusion() { return options_.occlusion; }
+  Occlusion& occlusion() { return options_.occlusion; }
 
  private:
   TerrainScene(const GlFunctions& gl, const cache::TileStore& store, const SceneOptions& options, Renderer renderer);
@@ -59,6 +60,7 @@ class TerrainScene {
   cache::TileCache cache_;
   GpuTilePool pool_;
   Renderer renderer_;
+  OcclusionSwitch occlusion_pays_;
 };
 
 }  // namespace tintree::render

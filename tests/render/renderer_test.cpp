@@ -294,6 +294,41 @@ TEST_F(RendererTest, ASmallPoolStillDrawsAllOfAView) {
   EXPECT_EQ((*s)->draw(*target, c, *cut, {}).tiles, 16U);
 }
 
+/// Ridges and valleys as high as they are wide.
+double ridges(double x, double y) {
+  return 160 * std::sin(x / 210) * std::cos(y / 170) + 60 * std::sin(x / 60 + y / 75);
+}
+
+// Low among ridges, with and without a hole in the ground, level and looking down.
+TEST_F(RendererTest, OcclusionChangesNoPixel) {
+  std::size_t with = 0, without = 0;
+  for (const bool hole : {false, true}) {
+    test::AnalyticTree tree;
+    tree.columns = tree.rows = 193;
+    tree.tile_cells = 16;
+    tree.height_m = ridges;
+    if (hole) tree.hole = [](double x, double y) { return std::hypot(x - 1000, y + 900) < 120; };
+    open(tree);
+    const auto s = scene();
+    for (int view = 0; view < 16; ++view) {
+      const glm::dvec3 ground(400 + 51.0 * view, -500 - 33.0 * view, ridges(400 + 51.0 * view, -500 - 33.0 * view));
+      const glm::dvec3 eye = ground + glm::dvec3(0, 0, 12 + 6.0 * (view % 7));
+      const Camera c =
+          camera(eye, eye + glm::dvec3(std::sin(1.3 * view), std::cos(1.3 * view), 0.1 - 0.15 * (view % 4)));
+      std::array<Picture, 2> pictures;
+      for (const bool on : {false, true}) {
+        s->occlusion() = on ? Occlusion::kAlways : Occlusion::kOff;
+        const auto cut = s->settle(c);
+        ASSERT_TRUE(cut);
+        (on ? with : without) += cut->draws.size();
+        pictures[on ? 1 : 0] = picture(*s, c, *cut, {});
+      }
+      EXPECT_EQ(pictures[0].rgb, pictures[1].rgb) << view << (hole ? " with a hole" : "");
+    }
+  }
+  EXPECT_LT(4 * with, 3 * without);
+}
+
 TEST_F(RendererTest, RefusesAFrameLargerThanTheDriverHas) {
   const auto target = OffscreenTarget::create(gl_, 1 << 20, 10, 1);
   ASSERT_FALSE(target);
