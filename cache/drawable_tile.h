@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "cache/occluder.h"
@@ -26,6 +27,30 @@ struct DrawVertex {
 };
 static_assert(sizeof(DrawVertex) == 20);
 
+/// One vertex of a surface between a tile's and its parent's: 28 bytes.
+struct MorphVertex {
+  float x = 0;  ///< Address steps, as in DrawVertex, with fractions.
+  float y = 0;
+  float z = 0;       ///< Height steps of the tile's own surface
+  float goal_z = 0;  ///< and of its parent's, both above the tile's height origin.
+  std::int16_t normal_x = 0;
+  std::int16_t normal_y = 0;
+  std::int16_t goal_normal_x = 0;
+  std::int16_t goal_normal_y = 0;
+  std::uint16_t skirt = 0;
+  std::uint16_t unused = 0;
+};
+static_assert(sizeof(MorphVertex) == 28);
+
+/// The overlay of a tile with its parent (cache/morph.h).
+struct MorphMesh {
+  std::vector<MorphVertex> vertices;
+  std::vector<std::uint32_t> indices;  ///< The surface, then the skirt.
+  std::uint32_t surface_triangles = 0;
+
+  std::size_t bytes() const { return vertices.size() * sizeof(MorphVertex) + indices.size() * sizeof(std::uint32_t); }
+};
+
 /// A tile ready for upload. Immutable once made.
 struct DrawableTile {
   codec::TileId id;
@@ -33,11 +58,12 @@ struct DrawableTile {
   std::vector<DrawVertex> vertices;
   std::vector<std::uint32_t> indices;  ///< Triangles, counter-clockwise from above: the surface, then the skirt.
   std::uint32_t surface_triangles = 0;
+  std::optional<MorphMesh> morph;            ///< None for a tile that does not morph.
   std::shared_ptr<const Occluder> occluder;  ///< What the surface hides; never null.
 
   std::size_t bytes() const {
     return sizeof *this + vertices.size() * sizeof(DrawVertex) + indices.size() * sizeof(std::uint32_t) +
-           occluder->bytes();
+           (morph ? morph->bytes() : 0) + occluder->bytes();
   }
 };
 

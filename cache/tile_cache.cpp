@@ -3,15 +3,17 @@
 #include <exception>
 #include <utility>
 
+#include "cache/morph.h"
+
 namespace tintree::cache {
 namespace {
 
 struct Loaded {
-  std::shared_ptr<const DrawableTile> tile;
+  std::shared_ptr<DrawableTile> tile;
   std::size_t payload_bytes = 0;
 };
 
-Expected<Loaded> load(const TileStore& store, const codec::TileId& id) try {
+Expected<Loaded> load(const TileStore& store, const codec::TileId& id) {
   auto stored = store.read(id);
   if (!stored) return tl::unexpected(stored.error());
   auto mesh = decode_tile(store.manifest(), *stored);
@@ -20,7 +22,27 @@ Expected<Loaded> load(const TileStore& store, const codec::TileId& id) try {
     return tl::unexpected(mesh.error());
   }
   const codec::TreeLayout& layout = store.manifest().layout;
-  return Loaded{std::make_shared<const DrawableTile>(make_drawable(layout, id, *mesh)), stored->payload.size()};
+  return Loaded{std::make_shared<DrawableTile>(make_drawable(layout, id, *mesh)), stored->payload.size()};
+}
+
+/// Makes a tile ready to turn into its parent, which is read too where it is not at hand.
+Expected<void> add_morph(const TileStore& store, std::shared_ptr<const DrawableTile> parent, Loaded& loaded) {
+  if (parent == nullptr) {
+    auto read = load(store, loaded.tile->id.parent());
+    if (!read) return tl::unexpected(read.error());
+    loaded.payload_bytes += read->payload_bytes;
+    parent = std::move(read->tile);
+  }
+  loaded.tile->morph = make_morph(*loaded.tile, *parent);
+  return {};
+}
+
+Expected<Loaded> prepare(const TileStore& store, const codec::TileId& id, bool morph,
+                         const std::shared_ptr<const DrawableTile>& parent) try {
+  auto loaded = load(store, id);
+  // A tile whose parent is damaged can still be drawn.
+  if (loaded && morph && id.level > 0) static_cast<void>(add_morph(store, parent, *loaded));
+  return loaded;
 } catch (const std::exception& e) {
   return fail(ErrorCode::kIo, "tile " + id.text() + " could not be loaded: " + e.what(), store.path());
 }
@@ -99,8 +121,10 @@ void TileCache::work() {
     }
     in_work_ = id;
     busy_ = true;
+    const auto at = id.level > 0 ? by_key_.find(id.parent().key()) : by_key_.end();
+    const auto parent = at != by_key_.end() ? at->second->tile : nullptr;
     lock.unlock();
-    auto loaded = load(store_, id);
+    auto loaded = prepare(store_, id, options_.morph, parent);
     lock.lock();
     busy_ = false;
     if (loaded) {

@@ -33,6 +33,7 @@ class TileCache {
     /// Memory for prepared tiles. The least recently used leave first; the tiles of the view's last two
     /// request() rounds never leave, so that a view which needs more than this gets it all the same.
     std::size_t bytes = std::size_t{256} << 20;
+    bool morph = false;  ///< Tiles come with DrawableTile::morph: five times the memory, three times the time.
   };
 
   struct Stats {

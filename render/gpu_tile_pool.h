@@ -11,6 +11,15 @@
 
 namespace tintree::render {
 
+/// The overlay of a tile with its parent in the graphics card's memory.
+struct GpuMorph {
+  GLuint vertex_array = 0;  ///< 0 for none.
+  GLuint vertices = 0;
+  GLuint indices = 0;
+  GLsizei index_count = 0;
+  std::uint32_t surface_triangles = 0;
+};
+
 /// A tile in the graphics card's memory.
 struct GpuTile {
   GLuint vertex_array = 0;
@@ -18,6 +27,7 @@ struct GpuTile {
   GLuint indices = 0;
   GLsizei index_count = 0;  ///< Surface and skirt.
   std::uint32_t surface_triangles = 0;
+  GpuMorph morph;
   codec::GridFrame frame;
   std::shared_ptr<const cache::Occluder> occluder;
   std::size_t bytes = 0;
@@ -49,6 +59,7 @@ class GpuTilePool {
     std::uint64_t frame = 0;  ///< That used it last.
   };
 
+  void upload_morph(const cache::MorphMesh& mesh, GpuTile& out);
   void free(const GpuTile& tile);
 
   const GlFunctions* gl_;

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <utility>
 
 #include "render/frustum.h"
+#include "render/morph.h"
 #include "render/occlusion.h"
 
 namespace tintree::render {
@@ -47,8 +49,27 @@ class Walk {
     double error_px = 0;
   };
 
+  /// The most that a tile's surface and its parent's can be apart.
+  double farthest_morph_m(const cache::TileNode& node) const {
+    if (!options_.morph || node.id.level == 0) return 0;
+    return static_cast<double>(node.lod_error_m) + static_cast<double>(parent_of(node).lod_error_m);
+  }
+  const cache::TileNode& parent_of(const cache::TileNode& node) const {
+    return bounds_.nodes()[static_cast<std::size_t>(bounds_.find(node.id.parent()))];
+  }
+
+  /// The box of all that may be drawn of a node.
+  cache::Box box_of(const cache::TileNode& node) const {
+    cache::Box box = bounds_.box(node);
+    // Tiles below it move less.
+    const double room_m = farthest_morph_m(node);
+    box.min[2] -= room_m;
+    box.max[2] += room_m;
+    return box;
+  }
+
   Seen look(const cache::TileNode& node) {
-    const cache::Box box = bounds_.box(node);
+    const cache::Box box = box_of(node);
     if (frustum_.outside(box)) {
       if (holds_eye(node)) horizon_.place_eye(camera_.eye.z > box.max[2]);
       return {true, 0, 0, 0};
@@ -57,8 +78,10 @@ class Walk {
       ++cut_.occluded;
       return {true, 0, 0, 0};
     }
-    const double nearest_m = frustum_.nearest_depth_m(box);
-    return {false, nearest_m, frustum_.farthest_depth_m(box),
+    // Levels are chosen by the boxes as they are, so that they are the same with morphs.
+    const cache::Box still = bounds_.box(node);
+    const double nearest_m = frustum_.nearest_depth_m(still);
+    return {false, nearest_m, frustum_.farthest_depth_m(still),
             projected_error_px(static_cast<double>(node.lod_error_m), nearest_m, camera_)};
   }
 
@@ -70,7 +93,7 @@ class Walk {
     const auto children = bounds_.nodes().subspan(node.first_child, std::popcount(unsigned{node.child_mask}));
     error_m = std::max(error_m, static_cast<double>(node.lod_error_m));
     return std::ranges::all_of(children, [&](const cache::TileNode& child) {
-      cache::Box inner = bounds_.box(child);
+      cache::Box inner = box_of(child);
       inner.max[2] = std::min(inner.max[2] + error_m + static_cast<double>(child.lod_error_m), box.max[2]);
       return hidden(child, inner, error_m, look_below - 1);
     });
@@ -166,17 +189,26 @@ class Walk {
   }
 
   void draw(std::uint32_t index, const Seen& seen, bool stands_in) {
-    cut_.draws.push_back({index, seen.error_px, seen.nearest_m, seen.farthest_m, stands_in});
-    if (horizon_.usable()) hide_behind(index);
+    DrawTile out{index, seen.error_px, seen.nearest_m, seen.farthest_m, 0, stands_in};
+    const cache::TileNode& node = bounds_.nodes()[index];
+    if (options_.morph && node.id.level > 0) {
+      out.morph = morph_weight(bounds_, index, camera_, frustum_, options_.pixel_error);
+      const double error_m =
+          std::lerp(static_cast<double>(node.lod_error_m), static_cast<double>(parent_of(node).lod_error_m), out.morph);
+      if (out.morph > 0) out.error_px = projected_error_px(error_m, seen.nearest_m, camera_);
+    }
+    cut_.draws.push_back(out);
+    if (horizon_.usable()) hide_behind(index, out.morph);
   }
 
-  void hide_behind(std::uint32_t index) {
+  void hide_behind(std::uint32_t index, double morph) {
+    const double moved_m = morph * farthest_morph_m(bounds_.nodes()[index]);
     const codec::CellRect cells = bounds_.layout().cells(bounds_.nodes()[index].id);
     const cache::Occluder* occluder = occluder_of_(index);
     if (!horizon_.placed() && holds_eye(cells))
-      horizon_.place_eye(occluder != nullptr && camera_.eye.z > occluder->top_m(eye_column_, eye_row_));
+      horizon_.place_eye(occluder != nullptr && camera_.eye.z > occluder->top_m(eye_column_, eye_row_) + moved_m);
     if (occluder != nullptr) {
-      horizon_.add(*occluder, bounds_.layout());
+      horizon_.add(*occluder, bounds_.layout(), moved_m);
     } else {
       horizon_.open(cells, bounds_.layout());
     }

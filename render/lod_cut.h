@@ -14,6 +14,7 @@ namespace tintree::render {
 struct CutOptions {
   /// Tiles are refined until their error projects to at most this many pixels. 0 draws the leaves.
   double pixel_error = 1;
+  bool morph = false;  ///< Weigh each tile's way to its parent (render/morph.h); else DrawTile::morph stays 0.
 };
 
 /// One tile of a cut.
@@ -22,6 +23,7 @@ struct DrawTile {
   double error_px = 0;     ///< Its projected error; infinite when the eye is inside its box.
   double nearest_m = 0;    ///< Bounds of the depth of its visible part.
   double farthest_m = 0;
+  double morph = 0;        ///< Share of the way to the parent's surface at which to draw it.
   bool stands_in = false;  ///< Drawn because what should be drawn here is not resident.
 };
 

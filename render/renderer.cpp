@@ -111,16 +111,21 @@ DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, co
   if (style.wireframe) gl_->PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
   set_terrain_uniforms(camera, bounds, cut, style);
   const GLint address_to_eye = terrain_.uniform("address_to_eye");
+  const GLint morph = terrain_.uniform("morph");
   for (const DrawTile& d : cut.draws) {
     const GpuTile* tile = pool.use(bounds.nodes()[d.node].id);
     if (tile == nullptr) continue;
     const std::array<double, 16> matrix = tile->frame.matrix({camera.eye.x, camera.eye.y, camera.eye.z});
     set(*gl_, address_to_eye, glm::make_mat4(matrix.data()));
-    const auto surface = static_cast<GLsizei>(3 * tile->surface_triangles);
-    gl_->BindVertexArray(tile->vertex_array);
-    gl_->DrawElements(GL_TRIANGLES, style.skirts ? tile->index_count : surface, GL_UNSIGNED_INT, nullptr);
+    const bool morphs = d.morph > 0 && tile->morph.vertex_array != 0;
+    const std::uint32_t triangles = morphs ? tile->morph.surface_triangles : tile->surface_triangles;
+    set(*gl_, morph, morphs ? d.morph : 0);
+    gl_->BindVertexArray(morphs ? tile->morph.vertex_array : tile->vertex_array);
+    const auto surface = static_cast<GLsizei>(3 * triangles);
+    const GLsizei all = morphs ? tile->morph.index_count : tile->index_count;
+    gl_->DrawElements(GL_TRIANGLES, style.skirts ? all : surface, GL_UNSIGNED_INT, nullptr);
     ++stats.tiles;
-    stats.triangles += tile->surface_triangles;
+    stats.triangles += triangles;
   }
   gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   gl_->BindVertexArray(0);

@@ -17,7 +17,7 @@ TerrainScene::TerrainScene(const GlFunctions& gl, const cache::TileStore& store,
                            Renderer renderer)
     : store_(&store),
       options_(options),
-      cache_(store, {options.cache_bytes}),
+      cache_(store, {.bytes = options.cache_bytes, .morph = options.cut.morph}),
       pool_(gl, options.gpu_bytes),
       renderer_(std::move(renderer)) {}
 

@@ -18,7 +18,7 @@
 namespace tintree::render {
 
 struct SceneOptions {
-  CutOptions cut;
+  CutOptions cut;  ///< `morph` is chosen here once: the tiles are made for it.
   Occlusion occlusion = Occlusion::kWhereItPays;
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< Main memory for tiles made ready.
   std::size_t gpu_bytes = std::size_t{512} << 20;    ///< Graphics memory for tiles.

@@ -4,9 +4,12 @@ layout(location = 0) in vec2 address_xy;
 layout(location = 1) in float address_z;
 layout(location = 2) in uint skirt_sides;
 layout(location = 3) in vec2 normal_xy;
+layout(location = 4) in float goal_z;
+layout(location = 5) in vec2 goal_normal_xy;
 
 uniform mat4 address_to_eye;   // grid addresses to metres east, north, up of the eye
 uniform mat4 eye_to_clip;
+uniform float morph;           // share of the way to the parent's surface
 uniform float skirt_slope;     // metres of skirt a metre of distance
 uniform float eye_rise;        // metres of the eye above the lowest ground
 
@@ -15,7 +18,7 @@ out vec3 normal;
 out float rise;                // metres above the lowest ground
 
 void main() {
-  vec3 position = (address_to_eye * vec4(address_xy, address_z, 1.0)).xyz;
+  vec3 position = (address_to_eye * vec4(address_xy, mix(address_z, goal_z, morph), 1.0)).xyz;
   rise = position.z + eye_rise;
   if (skirt_sides != 0u) {
     // Down by what a gap can measure, and half of that outward, under the neighbour, so that rounding
@@ -27,6 +30,7 @@ void main() {
     position += reach * vec3(0.5 * outward, -1.0);
   }
   from_eye = position;
-  normal = vec3(normal_xy, sqrt(max(0.0, 1.0 - dot(normal_xy, normal_xy))));
+  vec2 level = mix(normal_xy, goal_normal_xy, morph);
+  normal = vec3(level, sqrt(max(0.0, 1.0 - dot(level, level))));
   gl_Position = eye_to_clip * vec4(position, 1.0);
 }
