@@ -117,9 +117,9 @@ class MorphMaker {
  public:
   MorphMaker(const DrawableTile& tile, const DrawableTile& parent) : tile_(tile), parent_(parent) {
     for (const DrawVertex& v : tile.vertices) {
-      wide_ = std::max(wide_, static_cast<double>(v.x));
-      high_ = std::max(high_, static_cast<double>(v.y));
-      skirted_ |= v.skirt;
+      wide_ = std::max(wide_, static_cast<double>(v.x()));
+      high_ = std::max(high_, static_cast<double>(v.y()));
+      skirted_ |= v.skirt();
     }
   }
 
@@ -145,16 +145,16 @@ class MorphMaker {
  private:
   Place place(const DrawableTile& of, const DrawVertex& v) const {
     const double step = std::ldexp(1.0, tile_.frame.xy_shift);
-    return {(of.frame.column(static_cast<std::int32_t>(v.x)) - static_cast<double>(tile_.frame.column0)) / step,
-            (of.frame.row(static_cast<std::int32_t>(v.y)) - static_cast<double>(tile_.frame.row0)) / step};
+    return {(of.frame.column(v.x()) - static_cast<double>(tile_.frame.column0)) / step,
+            (of.frame.row(v.y()) - static_cast<double>(tile_.frame.row0)) / step};
   }
 
   std::vector<Facet> facets(const DrawableTile& of) const {
     std::vector<Facet> out(of.surface_triangles);
     for (std::size_t i = 0; i < out.size(); ++i) {
       for (std::size_t corner = 0; corner < 3; ++corner) {
-        const DrawVertex& v = of.vertices[of.indices[3 * i + corner]];
-        const double z_m = of.frame.height_m(static_cast<std::int32_t>(v.z));
+        const DrawVertex& v = of.vertices[of.index(3 * i + corner)];
+        const double z_m = of.frame.height_m(v.z());
         out[i].at[corner] = place(of, v);
         out[i].value[corner] = {z_m / tile_.frame.z_step_m - static_cast<double>(tile_.frame.z_offset),
                                 static_cast<double>(v.normal_x), static_cast<double>(v.normal_y)};

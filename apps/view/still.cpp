@@ -5,6 +5,7 @@
 
 #include "apps/common/json_file.h"
 #include "apps/view/picture_file.h"
+#include "apps/view/shortfalls.h"
 #include "render/terrain_scene.h"
 
 namespace tintree::view {
@@ -25,11 +26,11 @@ struct Figures {
 };
 
 nlohmann::ordered_json to_json(const Figures& f, const render::Camera& camera, const ViewOptions& options,
-                               const cache::TileStore& store, const cache::TileCache::Stats& cache,
+                               render::TerrainScene::Stores stores, const cache::TileCache::Stats& cache,
                                const std::string& renderer) {
   return {
-      {"tree", store.path()},
-      {"digest", store.manifest().digest},
+      {"tree", stores.front()->path()},
+      {"digest", stores.front()->manifest().digest},
       {"screenshot", options.screenshot},
       {"width_px", camera.width_px},
       {"height_px", camera.height_px},
@@ -53,21 +54,24 @@ nlohmann::ordered_json to_json(const Figures& f, const render::Camera& camera, c
 
 }  // namespace
 
-Expected<void> draw_still(const render::GlFunctions& gl, const cache::TileStore& store, const ViewOptions& options,
-                          Clock::time_point begun) {
-  const auto camera = first_camera(options, store.bounds());
-  if (!camera) return tl::unexpected(camera.error());
+Expected<void> draw_still(const render::GlFunctions& gl, render::TerrainScene::Stores stores,
+                          const ViewOptions& options, Clock::time_point begun) {
   const auto target = render::OffscreenTarget::create(gl, options.width_px, options.height_px, kSamples);
   if (!target) return tl::unexpected(target.error());
   render::SceneOptions scene_options;
   scene_options.cut.pixel_error = options.pixel_error;
-  const auto scene = render::TerrainScene::create(gl, store, scene_options);
+  scene_options.gpu_bytes = options.gpu_bytes;
+  const auto scene = render::TerrainScene::create(gl, stores, scene_options);
   if (!scene) return tl::unexpected(scene.error());
+  const auto camera = first_camera(options, (*scene)->trees());
+  if (!camera) return tl::unexpected(camera.error());
 
   Figures figures;
   const auto loading = Clock::now();
   auto cut = (*scene)->settle(*camera);
   if (!cut) return tl::unexpected(cut.error());
+  Shortfalls shortfalls;
+  shortfalls.note(**scene, options);
   figures.cut = std::move(*cut);
   figures.load_seconds = seconds_since(loading);
   gl.Finish();
@@ -80,7 +84,7 @@ Expected<void> draw_still(const render::GlFunctions& gl, const cache::TileStore&
   }
   figures.seconds = seconds_since(begun);
   if (!options.json.empty()) {
-    const auto json = to_json(figures, *camera, options, store, (*scene)->cache().stats(), gl.renderer);
+    const auto json = to_json(figures, *camera, options, stores, (*scene)->cache().stats(), gl.renderer);
     if (auto written = app::write_json(options.json, json); !written) return written;
   }
   if (!options.quiet) {
@@ -90,7 +94,7 @@ Expected<void> draw_still(const render::GlFunctions& gl, const cache::TileStore&
         figures.drawn.tiles, figures.drawn.triangles, figures.cut.max_error_px, figures.load_seconds,
         figures.frame_seconds);
   }
-  return {};
+  return shortfalls.outcome();
 }
 
 }  // namespace tintree::view

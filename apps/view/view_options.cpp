@@ -1,5 +1,6 @@
 #include "apps/view/view_options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -14,6 +15,7 @@ namespace {
 constexpr double kElevation = 38 * std::numbers::pi / 180;
 constexpr double kAzimuth = std::numbers::pi;  // South.
 constexpr int kMostPixels = 16384;
+constexpr int kMostGpuMib = 1 << 20;
 
 template <typename Number>
 bool take_number(std::string_view& text, Number& out) {
@@ -53,7 +55,7 @@ Expected<void> read_size(std::string_view text, ViewOptions& out) {
 
 /// Corners of the boxes of the finest level that has at most a few hundred tiles: they hug the terrain
 /// better than the root's box.
-std::vector<glm::dvec3> outline(const cache::TileBounds& bounds) {
+void add_outline(const cache::TileBounds& bounds, std::vector<glm::dvec3>& corners) {
   constexpr std::size_t kEnough = 300;
   std::size_t first = 0;
   std::size_t end = bounds.nodes().size();
@@ -64,7 +66,6 @@ std::vector<glm::dvec3> outline(const cache::TileBounds& bounds) {
     begun = i;
   }
   const int level = end == 0 ? 0 : bounds.nodes()[first].id.level;
-  std::vector<glm::dvec3> corners;
   for (std::size_t i = first; i < end && bounds.nodes()[i].id.level == level; ++i) {
     const cache::Box box = bounds.box(bounds.nodes()[i]);
     for (unsigned c = 0; c < 8; ++c) {
@@ -72,21 +73,35 @@ std::vector<glm::dvec3> outline(const cache::TileBounds& bounds) {
                            (c & 4U) != 0 ? box.max[2] : box.min[2]);
     }
   }
-  return corners;
 }
 
 }  // namespace
 
 Expected<ViewOptions> read_options(const CommandLine& line) {
   ViewOptions out;
-  out.tree = line.tree;
+  out.trees = line.trees;
+  out.gpu_bytes = static_cast<std::size_t>(std::max(line.gpu_memory_mib, 0)) << 20;
   out.pixel_error = line.pixel_error;
   out.screenshot = line.screenshot;
+  out.flight = line.flight;
+  out.frames = line.frames;
+  out.fps = line.fps;
+  out.real_time = line.real_time;
   out.json = line.json;
   out.quiet = line.quiet;
   if (!std::isfinite(line.pixel_error) || line.pixel_error < 0) {
     return fail(ErrorCode::kUsage, "wants a number of pixels, 0 or more", "--pixel-error");
   }
+  if (line.gpu_memory_mib < 1 || line.gpu_memory_mib > kMostGpuMib)
+    return fail(ErrorCode::kUsage, "wants MiB of graphics memory for tiles, 1 to 1048576", "--gpu-memory");
+  if (!(line.fps > 0 && line.fps <= 10000))
+    return fail(ErrorCode::kUsage, "wants frames a second, more than 0 and at most 10000", "--fps");
+  if (!line.frames.empty() && line.flight.empty())
+    return fail(ErrorCode::kUsage, "wants a --flight to take frames of; for one picture use --screenshot", "--frames");
+  if (!line.frames.empty() && line.real_time)
+    return fail(ErrorCode::kUsage, "writes every frame and takes its time; leave out --real-time", "--frames");
+  if (!line.flight.empty() && !line.screenshot.empty())
+    return fail(ErrorCode::kUsage, "is one picture; leave out --flight, or take --frames of it", "--screenshot");
   if (line.headless == "egl") out.headless = render::Headless::kEgl;
   if (line.headless == "osmesa") out.headless = render::Headless::kOsMesa;
   if (!line.headless.empty() && !out.headless) return fail(ErrorCode::kUsage, "wants egl or osmesa", "--headless");
@@ -100,8 +115,10 @@ Expected<ViewOptions> read_options(const CommandLine& line) {
   return out;
 }
 
-Expected<render::Camera> first_camera(const ViewOptions& options, const cache::TileBounds& bounds) {
-  render::Camera camera = render::overview(outline(bounds), kAzimuth, kElevation, options.width_px, options.height_px);
+Expected<render::Camera> first_camera(const ViewOptions& options, render::Trees trees) {
+  std::vector<glm::dvec3> corners;
+  for (const cache::TileBounds* tree : trees) add_outline(*tree, corners);
+  render::Camera camera = render::overview(corners, kAzimuth, kElevation, options.width_px, options.height_px);
   const glm::dvec3 away = camera.eye - camera.target;
   if (options.target) {
     camera.target = *options.target;

@@ -2,37 +2,48 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "cache/tile_bounds.h"
 #include "codec/error.h"
 #include "render/camera.h"
 #include "render/gl_context.h"
+#include "render/lod_cut.h"
 
 namespace tintree::view {
 
 /// The command line of tintree-view, as it was given (docs/guide.md).
 struct CommandLine {
-  std::string tree;
+  std::vector<std::string> trees;
   double pixel_error = 1;
+  int gpu_memory_mib = 512;
   std::string size;      ///< "WxH"
   std::string headless;  ///< "", "egl" or "osmesa"
   std::string screenshot;
   std::string eye;  ///< "X,Y,Z"
   std::string target;
+  std::string flight;
+  std::string frames;
+  double fps = 30;
+  bool real_time = false;
   std::string json;
   bool quiet = false;
 };
 
 /// What it means.
 struct ViewOptions {
-  std::string tree;
+  std::vector<std::string> trees;
   double pixel_error = 1;
+  std::size_t gpu_bytes = 0;  ///< Graphics memory for tiles.
   int width_px = 1280;
   int height_px = 720;
   std::optional<render::Headless> headless;  ///< None: a window.
   std::string screenshot;                    ///< Path of a picture to write; empty for none.
   std::optional<glm::dvec3> eye;             ///< World frame, metres.
   std::optional<glm::dvec3> target;
+  std::string flight;  ///< Path of a flight to play; empty for none.
+  std::string frames;  ///< Folder for its frames; empty for none.
+  double fps = 30;
+  bool real_time = false;  ///< The clock leads the camera, not the frame's number.
   std::string json;
   bool quiet = false;
 };
@@ -43,6 +54,6 @@ Expected<ViewOptions> read_options(const CommandLine& line);
 /// The view that the options ask for. Without an eye: the whole terrain from the south, 38 degrees above
 /// the horizon (or, with a target alone, from that side at a third of the terrain's size); without a
 /// target: the middle of the terrain. Fails with kUsage when the eye is the target.
-Expected<render::Camera> first_camera(const ViewOptions& options, const cache::TileBounds& bounds);
+Expected<render::Camera> first_camera(const ViewOptions& options, render::Trees trees);
 
 }  // namespace tintree::view

@@ -200,26 +200,21 @@ class Viewer {
 
   void draw() {
     const double begun = glfwGetTime();
-    const render::LodCut cut = scene_.update(camera_);
+    const render::LodCut cut = scene_.update(camera_, begun);
     near_m_ = scene_.renderer().near_m(cut);
     const render::DrawStats drawn = scene_.draw(*target_, camera_, cut, style_);
     target_->show_in_window();
     glfwSwapBuffers(window_);
-    for (const Error& e : scene_.cache().take_errors()) fmt::print(stderr, "tintree-view: {}\n", e.text());
+    for (const Error& e : scene_.take_errors()) fmt::print(stderr, "tintree-view: {}\n", e.text());
     // Goes on drawing while tiles come; those that cannot be loaded are not waited for.
-    stale_ = !cut.complete && (!scene_.cache().idle() || any_ready(cut));
+    stale_ = scene_.busy(cut);
     show_figures(cut, drawn, glfwGetTime() - begun);
-  }
-
-  bool any_ready(const render::LodCut& cut) {
-    return std::ranges::any_of(cut.requests,
-                               [this](const codec::TileId& id) { return scene_.cache().get(id) != nullptr; });
   }
 
   void show_figures(const render::LodCut& cut, const render::DrawStats& drawn, double seconds) {
     const std::string title = fmt::format("{} - {} triangles, {} tiles, {:.2f} px, {:.0f} ms{}",
-                                          std::filesystem::path(options_.tree).filename().string(), drawn.triangles,
-                                          drawn.tiles, cut.max_error_px, 1e3 * seconds,
+                                          std::filesystem::path(options_.trees.front()).filename().string(),
+                                          drawn.triangles, drawn.tiles, cut.max_error_px, 1e3 * seconds,
                                           cut.complete ? "" : fmt::format(", {} tiles to come", cut.requests.size()));
     glfwSetWindowTitle(window_, title.c_str());
   }
@@ -252,22 +247,23 @@ class Viewer {
 
 }  // namespace
 
-Expected<void> run_window(const cache::TileStore& store, const ViewOptions& options,
+Expected<void> run_window(render::TerrainScene::Stores stores, const ViewOptions& options,
                           std::chrono::steady_clock::time_point begun) {
   const bool still = !options.screenshot.empty();
-  const auto window = GlfwWindow::create(options.width_px, options.height_px, options.tree, !still);
+  const auto window = GlfwWindow::create(options.width_px, options.height_px, options.trees.front(), !still);
   if (!window) return tl::unexpected(window.error());
   const auto gl = render::load_gl([](const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); });
   if (!gl) return tl::unexpected(gl.error());
-  if (still) return draw_still(*gl, store, options, begun);
+  if (still) return draw_still(*gl, stores, options, begun);
 
-  const auto camera = first_camera(options, store.bounds());
-  if (!camera) return tl::unexpected(camera.error());
   render::SceneOptions scene_options;
   scene_options.cut.pixel_error = options.pixel_error;
   scene_options.upload_bytes = kUploadBytes;
-  const auto scene = render::TerrainScene::create(*gl, store, scene_options);
+  scene_options.gpu_bytes = options.gpu_bytes;
+  const auto scene = render::TerrainScene::create(*gl, stores, scene_options);
   if (!scene) return tl::unexpected(scene.error());
+  const auto camera = first_camera(options, (*scene)->trees());
+  if (!camera) return tl::unexpected(camera.error());
   return Viewer((*window)->handle(), *gl, **scene, options, *camera).run();
 }
 

@@ -3,8 +3,8 @@
 #include <chrono>
 
 #include "apps/view/view_options.h"
-#include "cache/tile_store.h"
 #include "codec/error.h"
+#include "render/terrain_scene.h"
 
 namespace tintree::view {
 
@@ -12,7 +12,7 @@ namespace tintree::view {
 /// one to pan, wheel to zoom to the cursor, WASD or arrows to move, R or Home for the first view, F to see
 /// the triangles, F12 for a picture, Esc to quit. With options.screenshot it writes that picture instead and
 /// shows nothing. Fails with kIo when there is no display.
-Expected<void> run_window(const cache::TileStore& store, const ViewOptions& options,
+Expected<void> run_window(render::TerrainScene::Stores stores, const ViewOptions& options,
                           std::chrono::steady_clock::time_point begun);
 
 }  // namespace tintree::view

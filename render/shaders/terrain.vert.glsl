@@ -1,11 +1,11 @@
 #version 330 core
 
-layout(location = 0) in vec2 address_xy;
-layout(location = 1) in float address_z;
-layout(location = 2) in uint skirt_sides;
-layout(location = 3) in vec2 normal_xy;
-layout(location = 4) in float goal_z;
-layout(location = 5) in vec2 goal_normal_xy;
+layout(location = 0) in uvec4 packed_address;  // cache/drawable_tile.h, DrawVertex
+layout(location = 1) in vec2 normal_xy;
+// In place of these where morph is above 0 (cache/drawable_tile.h, MorphVertex).
+layout(location = 2) in vec4 morph_address;    // x, y, height on the tile, height on its parent
+layout(location = 3) in vec4 morph_normals_xy;
+layout(location = 4) in uint morph_skirt_sides;
 
 uniform mat4 address_to_eye;   // grid addresses to metres east, north, up of the eye
 uniform mat4 eye_to_clip;
@@ -18,7 +18,16 @@ out vec3 normal;
 out float rise;                // metres above the lowest ground
 
 void main() {
-  vec3 position = (address_to_eye * vec4(address_xy, mix(address_z, goal_z, morph), 1.0)).xyz;
+  uint high = packed_address.w;
+  uint skirt_sides = high & 15u;
+  vec3 address = vec3(packed_address.xyz | uvec3(high >> 4 & 7u, high >> 7 & 7u, high >> 10) << 16);
+  vec2 level = normal_xy;
+  if (morph > 0.0) {
+    skirt_sides = morph_skirt_sides;
+    address = vec3(morph_address.xy, mix(morph_address.z, morph_address.w, morph));
+    level = mix(morph_normals_xy.xy, morph_normals_xy.zw, morph);
+  }
+  vec3 position = (address_to_eye * vec4(address, 1.0)).xyz;
   rise = position.z + eye_rise;
   if (skirt_sides != 0u) {
     // Down by what a gap can measure, and half of that outward, under the neighbour, so that rounding
@@ -30,7 +39,6 @@ void main() {
     position += reach * vec3(0.5 * outward, -1.0);
   }
   from_eye = position;
-  vec2 level = mix(normal_xy, goal_normal_xy, morph);
   normal = vec3(level, sqrt(max(0.0, 1.0 - dot(level, level))));
   gl_Position = eye_to_clip * vec4(position, 1.0);
 }

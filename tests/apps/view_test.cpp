@@ -18,6 +18,10 @@
 namespace tintree::view {
 namespace {
 
+constexpr const char* kFlight = R"({"keyframes": [
+    {"seconds": 0, "eye_m": [640, -1500, 500], "target_m": [640, -640, 0]},
+    {"seconds": 0.2, "eye_m": [640, -1100, 200], "azimuth_deg": 10, "elevation_deg": -20}]})";
+
 /// The command line; TINTREE_VIEW is the program's path.
 class ViewProgram : public testing::Test {
  protected:
@@ -34,6 +38,8 @@ class ViewProgram : public testing::Test {
     EXPECT_NE(r.err.find(about), std::string::npos) << r.err;
     EXPECT_EQ(std::ranges::count(r.err, '\n'), 1) << r.err;
   }
+
+  std::string with_damaged(const codec::TileId& id) const;
 
   test::TempDir dir_;
   std::string tree_ = dir_.file("small.tintree");
@@ -86,6 +92,7 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheCommandLine) {
                                                                                       {"--target", "nan,0,0"},
                                                                                       {"--pixel-error", "-1"},
                                                                                       {"--pixel-error", "many"},
+                                                                                      {"--gpu-memory", "0"},
                                                                                       {"--headless", "glx"}}) {
     std::vector<std::string> arguments = option == "--headless" ? std::vector<std::string>{tree_} : base;
     arguments.insert(arguments.end(), {option, value});
@@ -108,18 +115,119 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheFile) {
   expect_failure(view({cut, "--headless", "osmesa"}), 3, "cut.tintree");
 }
 
-// Flips one bit anywhere in the tiles: a picture with a hole or of wrong heights would be a lie.
-TEST_F(ViewProgram, RefusesADamagedTile) {
+/// Flips one bit of a tile in a copy of the tree; returns the copy's path.
+std::string ViewProgram::with_damaged(const codec::TileId& id) const {
   std::string bytes = test::read_file(tree_);
-  const auto payload = cache::TileStore::open(tree_)->read({0, 0, 0})->payload;
-  const std::size_t at = bytes.find(std::string(reinterpret_cast<const char*>(payload.data()), 40));
-  ASSERT_NE(at, std::string::npos);
+  const auto payload = cache::TileStore::open(tree_)->read(id)->payload;
+  const std::size_t at =
+      bytes.find(std::string(reinterpret_cast<const char*>(payload.data()) + payload.size() / 2, 60));
+  EXPECT_NE(at, std::string::npos);
   bytes[at + 30] = static_cast<char>(bytes[at + 30] ^ 4);
   const std::string bad = dir_.file("bad.tintree");
   test::write_file(bad, bytes);
+  return bad;
+}
+
+// Its parent stands in, the tile is named once, and the exit code tells that the picture is not what was asked for.
+TEST_F(ViewProgram, DrawsADamagedTileFromItsParent) {
   const std::string png = dir_.file("bad.png");
-  expect_failure(view({bad, "--headless", "osmesa", "--pixel-error", "0", "--screenshot", png}), 3, "damaged");
-  EXPECT_FALSE(std::filesystem::exists(png));
+  const std::string json = dir_.file("bad.json");
+  const std::string bad = with_damaged({2, 1, 1});
+  const auto r =
+      view({bad, "--headless", "osmesa", "--pixel-error", "0", "--screenshot", png, "--json", json, "--quiet"});
+  expect_failure(r, 3, "2/1/1");
+  EXPECT_NE(r.err.find("bad.tintree"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(png));
+  EXPECT_EQ(nlohmann::json::parse(test::read_file(json)).at("tiles"), 13);  // Three quadrants of leaves, and a parent.
+  const std::string flight = dir_.file("flight.json");
+  test::write_file(flight, kFlight);
+  expect_failure(view({bad, "--headless", "osmesa", "--pixel-error", "0", "--flight", flight, "--frames",
+                       dir_.file("f"), "--quiet", "--size", "64x48"}),
+                 3, "2/1/1");
+}
+
+TEST_F(ViewProgram, GoesOnWithoutADamagedRoot) {
+  const std::string png = dir_.file("bad.png");
+  expect_failure(
+      view({with_damaged({0, 0, 0}), "--headless", "osmesa", "--pixel-error", "1000", "--screenshot", png, "--quiet"}),
+      3, "0/0/0");
+  EXPECT_TRUE(std::filesystem::exists(png));
+}
+
+TEST_F(ViewProgram, SaysWhenGraphicsMemoryIsTooSmall) {
+  test::AnalyticTree large;
+  large.columns = large.rows = 257;
+  large.tile_cells = 64;
+  const std::string tree = dir_.file("large.tintree");
+  large.write(tree);
+  const std::string json = dir_.file("small_memory.json");
+  const auto r =
+      view({tree, "--headless", "osmesa", "--pixel-error", "0", "--gpu-memory", "1", "--json", json, "--quiet"});
+  EXPECT_EQ(r.exit_code, 0) << r.all();
+  EXPECT_NE(r.err.find("--gpu-memory"), std::string::npos) << r.err;
+  EXPECT_GE(nlohmann::json::parse(test::read_file(json)).at("tiles"), 1);
+  EXPECT_EQ(view({tree, "--headless", "osmesa", "--pixel-error", "0", "--quiet"}).err, "");
+}
+
+TEST_F(ViewProgram, FliesAndWritesFramesAndFigures) {
+  const std::string flight = dir_.file("flight.json");
+  test::write_file(flight, kFlight);
+  std::vector<std::string> pictures;
+  for (const char* folder : {"a", "b"}) {
+    const std::string frames = dir_.file(folder);
+    const std::string json = frames + ".json";
+    const auto r = view({tree_, "--headless", "osmesa", "--flight", flight, "--fps", "10", "--frames", frames, "--size",
+                         "160x120", "--json", json});
+    ASSERT_EQ(r.exit_code, 0) << r.all();
+    const auto figures = nlohmann::json::parse(test::read_file(json));
+    EXPECT_EQ(figures.at("frame_count"), 3);
+    EXPECT_EQ(figures.at("frames").size(), 3U);
+    EXPECT_EQ(figures.at("late_frames"), 0);
+    EXPECT_LE(figures.at("frame_seconds_median"), figures.at("frame_seconds_worst"));
+    std::uint64_t triangles = 0;
+    for (const auto& f : figures.at("frames")) {
+      EXPECT_GT(f.at("triangles").get<int>(), 100);
+      EXPECT_EQ(f.at("late_tiles"), 0);
+      EXPECT_EQ(f.at("tiles"), f.at("wanted_tiles"));
+      triangles += f.at("triangles").get<std::uint64_t>();
+    }
+    EXPECT_EQ(figures.at("triangles"), triangles);
+    EXPECT_FALSE(std::filesystem::exists(frames + "/frame-000003.png"));
+    pictures.push_back(test::read_file(frames + "/frame-000002.png"));
+  }
+  EXPECT_EQ(pictures[0].substr(1, 3), "PNG");
+  EXPECT_EQ(pictures[0], pictures[1]);  // A fixed step, whatever the clock says.
+}
+
+TEST_F(ViewProgram, FliesByTheClockWithoutWaiting) {
+  const std::string flight = dir_.file("flight.json");
+  const std::string json = dir_.file("flight_figures.json");
+  test::write_file(flight, kFlight);
+  const auto r = view(
+      {tree_, "--headless", "osmesa", "--flight", flight, "--real-time", "--size", "64x48", "--json", json, "--quiet"});
+  ASSERT_EQ(r.exit_code, 0) << r.all();
+  const auto figures = nlohmann::json::parse(test::read_file(json));
+  EXPECT_GE(figures.at("frame_count").get<int>(), 1);
+  EXPECT_LE(figures.at("frame_count").get<int>(), 7);
+  EXPECT_EQ(figures.at("waits_for_tiles"), false);
+}
+
+TEST_F(ViewProgram, SaysWhatIsWrongWithTheFlight) {
+  const std::string flight = dir_.file("flight.json");
+  const std::vector<std::string> base{tree_, "--headless", "osmesa", "--flight", flight};
+  expect_failure(view(base), 4, "flight.json");
+  test::write_file(flight, "nonsense");
+  expect_failure(view(base), 3, "flight.json");
+  test::write_file(flight, kFlight);
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), base.begin(), base.end());
+    return view(more);
+  };
+  expect_failure(with({"--fps", "0"}), 2, "--fps");
+  expect_failure(with({"--frames", dir_.file("f"), "--real-time"}), 2, "--frames");
+  expect_failure(with({"--screenshot", dir_.file("f.png")}), 2, "--screenshot");
+  expect_failure(with({"--frames", tree_}), 4, tree_);
+  expect_failure(view({tree_, "--headless", "osmesa", "--frames", dir_.file("f")}), 2, "--frames");
 }
 
 TEST_F(ViewProgram, WithoutADisplaySaysWhatToDo) { expect_failure(view({tree_}), 4, "--headless osmesa"); }

@@ -19,8 +19,9 @@ namespace {
 using Point = std::array<double, 4>;  // Column, row, metres, metres of the goal.
 
 /// Heights at a place, by looking at every triangle.
-std::optional<std::array<double, 2>> heights_m(const std::vector<Point>& points, std::span<const std::uint32_t> indices,
-                                               double column, double row) {
+template <typename Indices>
+std::optional<std::array<double, 2>> heights_m(const std::vector<Point>& points, const Indices& indices, double column,
+                                               double row) {
   for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
     const std::array<Point, 3> p{points[indices[i]], points[indices[i + 1]], points[indices[i + 2]]};
     const auto area = [&](std::size_t a, std::size_t b) {
@@ -39,9 +40,8 @@ std::optional<std::array<double, 2>> heights_m(const std::vector<Point>& points,
 std::vector<Point> points_of(const DrawableTile& tile) {
   std::vector<Point> out;
   for (const DrawVertex& v : tile.vertices) {
-    const double z = tile.frame.height_m(static_cast<std::int32_t>(v.z));
-    out.push_back(
-        {tile.frame.column(static_cast<std::int32_t>(v.x)), tile.frame.row(static_cast<std::int32_t>(v.y)), z, z});
+    const double z = tile.frame.height_m(v.z());
+    out.push_back({tile.frame.column(v.x()), tile.frame.row(v.y()), z, z});
   }
   return out;
 }
@@ -103,8 +103,10 @@ TEST_F(MorphTest, HasBothSurfacesAtEveryPlace) {
       ASSERT_TRUE(morph) << id.text();
       const auto surface = std::span(morph->indices).first(3 * std::size_t{morph->surface_triangles});
       const auto between = points_of(own, *morph), own_points = points_of(own), goal_points = points_of(parent);
-      const auto own_surface = std::span(own.indices).first(3 * std::size_t{own.surface_triangles});
-      const auto goal_surface = std::span(parent.indices).first(3 * std::size_t{parent.surface_triangles});
+      const auto own_surface =
+          std::span<const std::uint16_t>(own.indices).first(3 * std::size_t{own.surface_triangles});
+      const auto goal_surface =
+          std::span<const std::uint16_t>(parent.indices).first(3 * std::size_t{parent.surface_triangles});
       const codec::CellRect c = tree_.layout().cells(id);
       for (int i = 0; i < 12; ++i) {
         const double column = std::lerp(static_cast<double>(c.column0), static_cast<double>(c.column1), in(random));

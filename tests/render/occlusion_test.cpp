@@ -52,7 +52,7 @@ class OcclusionTest : public testing::Test {
   }
 
   LodCut cut(const Camera& c, const IsResident& resident = kAll) const {
-    return lod_cut(bounds_, c, {1}, resident, [this](std::uint32_t node) { return &occluders_[node]; });
+    return lod_cut(bounds_, c, {1}, resident, [](std::uint32_t, std::uint32_t node) { return &occluders_[node]; });
   }
 
   /// Height of the mesh of a tile at a place: the regular mesh of AnalyticTree.
