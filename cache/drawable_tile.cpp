@@ -156,6 +156,7 @@ DrawableTile make_drawable(const codec::TreeLayout& layout, const codec::TileId&
   } else {
     tile.wide_indices = std::move(indices);
   }
+  tile.occluder = std::make_shared<const Occluder>(make_occluder(layout, id, mesh));
   return tile;
 }
 

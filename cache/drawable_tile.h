@@ -2,8 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
+#include "cache/occluder.h"
 #include "cache/tile_pictures.h"
 #include "codec/grid_frame.h"
 #include "codec/tile_id.h"
@@ -37,6 +40,30 @@ struct DrawVertex {
 };
 static_assert(sizeof(DrawVertex) == 12);
 
+/// One vertex of a surface between a tile's and its parent's: 28 bytes.
+struct MorphVertex {
+  float x = 0;  ///< Address steps, as in DrawVertex, with fractions.
+  float y = 0;
+  float z = 0;       ///< Height steps of the tile's own surface
+  float goal_z = 0;  ///< and of its parent's, both above the tile's height origin.
+  std::int16_t normal_x = 0;
+  std::int16_t normal_y = 0;
+  std::int16_t goal_normal_x = 0;
+  std::int16_t goal_normal_y = 0;
+  std::uint16_t skirt = 0;
+  std::uint16_t unused = 0;
+};
+static_assert(sizeof(MorphVertex) == 28);
+
+/// The overlay of a tile with its parent (cache/morph.h).
+struct MorphMesh {
+  std::vector<MorphVertex> vertices;
+  std::vector<std::uint32_t> indices;  ///< The surface, then the skirt.
+  std::uint32_t surface_triangles = 0;
+
+  std::size_t bytes() const { return vertices.size() * sizeof(MorphVertex) + indices.size() * sizeof(std::uint32_t); }
+};
+
 /// A tile ready for upload. Immutable once made.
 struct DrawableTile {
   codec::TileId id;
@@ -47,13 +74,18 @@ struct DrawableTile {
   std::vector<std::uint16_t> indices;
   std::vector<std::uint32_t> wide_indices;
   std::uint32_t surface_triangles = 0;
+  std::optional<MorphMesh> morph;            ///< None for a tile that does not morph.
+  std::shared_ptr<const Occluder> occluder;  ///< What the surface hides; never null.
   TilePictures pictures;  ///< make_drawable() leaves them out.
 
   std::size_t index_count() const { return indices.size() + wide_indices.size(); }
   std::uint32_t index(std::size_t i) const { return indices.empty() ? wide_indices[i] : indices[i]; }
   std::size_t vertex_bytes() const { return vertices.size() * sizeof(DrawVertex); }
   std::size_t index_bytes() const { return 2 * indices.size() + 4 * wide_indices.size(); }
-  std::size_t bytes() const { return sizeof *this + vertex_bytes() + index_bytes() + pictures.bytes(); }
+  std::size_t bytes() const {
+    return sizeof *this + vertex_bytes() + index_bytes() + (morph ? morph->bytes() : 0) + occluder->bytes() +
+           pictures.bytes();
+  }
 };
 
 /// Makes the arrays of one decoded tile. Every vertex gets the mean of its triangles' normals in metres

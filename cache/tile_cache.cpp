@@ -5,15 +5,17 @@
 #include <ranges>
 #include <utility>
 
+#include "cache/morph.h"
+
 namespace tintree::cache {
 namespace {
 
 struct Loaded {
-  std::shared_ptr<const DrawableTile> tile;
+  std::shared_ptr<DrawableTile> tile;
   std::size_t payload_bytes = 0;
 };
 
-Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id, bool texture_blocks) try {
+Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id) {
   auto stored = tree.store->read(id);
   if (!stored) return tl::unexpected(stored.error());
   auto mesh = decode_tile(tree.store->manifest(), *stored);
@@ -21,11 +23,38 @@ Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id, bo
     mesh.error().where = tree.store->path() + ": " + mesh.error().where;
     return tl::unexpected(mesh.error());
   }
-  auto pictures = load_pictures(*tree.store, id, texture_blocks);
+  return Loaded{std::make_shared<DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides)),
+                stored->payload.size()};
+}
+
+Expected<void> add_pictures(const TileCache::Source& tree, bool texture_blocks, Loaded& loaded) {
+  auto pictures = load_pictures(*tree.store, loaded.tile->id, texture_blocks);
   if (!pictures) return tl::unexpected(pictures.error());
-  auto tile = std::make_shared<DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides));
-  tile->pictures = std::move(*pictures);
-  return Loaded{tile, stored->payload.size() + tile->pictures.bytes()};
+  loaded.tile->pictures = std::move(*pictures);
+  loaded.payload_bytes += loaded.tile->pictures.bytes();
+  return {};
+}
+
+/// Makes a tile ready to turn into its parent, which is read too where it is not at hand.
+Expected<void> add_morph(const TileCache::Source& tree, std::shared_ptr<const DrawableTile> parent, Loaded& loaded) {
+  if (parent == nullptr) {
+    auto read = load(tree, loaded.tile->id.parent());
+    if (!read) return tl::unexpected(read.error());
+    loaded.payload_bytes += read->payload_bytes;
+    parent = std::move(read->tile);
+  }
+  loaded.tile->morph = make_morph(*loaded.tile, *parent);
+  return {};
+}
+
+Expected<Loaded> prepare(const TileCache::Source& tree, const codec::TileId& id, const TileCache::Options& options,
+                         const std::shared_ptr<const DrawableTile>& parent) try {
+  auto loaded = load(tree, id);
+  if (!loaded) return loaded;
+  if (auto done = add_pictures(tree, options.texture_blocks, *loaded); !done) return tl::unexpected(done.error());
+  // A tile whose parent is damaged can still be drawn.
+  if (options.morph && id.level > 0) static_cast<void>(add_morph(tree, parent, *loaded));
+  return loaded;
 } catch (const std::exception& e) {
   return fail(ErrorCode::kIo, "tile " + id.text() + " could not be loaded: " + e.what(), tree.store->path());
 }
@@ -129,8 +158,11 @@ void TileCache::work() {
     }
     in_work_ = job;
     busy_ = true;
+    const codec::TileId& id = job.ref.id;
+    const auto at = id.level > 0 ? by_ref_.find({id.parent(), job.ref.tree}) : by_ref_.end();
+    const auto parent = at != by_ref_.end() ? at->second->tile : nullptr;
     lock.unlock();
-    auto loaded = load(trees_[job.ref.tree], job.ref.id, options_.texture_blocks);
+    auto loaded = prepare(trees_[job.ref.tree], id, options_, parent);
     lock.lock();
     busy_ = false;
     if (loaded) {

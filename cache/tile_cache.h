@@ -41,6 +41,7 @@ class TileCache {
     /// Memory for prepared tiles. The least recently used leave first; the tiles that the view's last two
     /// request() rounds needed never leave, so that a view which needs more than this gets it all the same.
     std::size_t bytes = std::size_t{256} << 20;
+    bool morph = false;  ///< Tiles come with DrawableTile::morph: five times the memory, three times the time.
     /// The most requests that wait; the least urgent beyond are dropped, to be asked for again.
     std::size_t queue = 1024;
     /// The card takes BC1 textures as they are; else they are unpacked here.

@@ -22,12 +22,23 @@ void describe_vertex(const GlFunctions& gl) {
   for (GLuint location = 0; location < 2; ++location) gl.EnableVertexAttribArray(location);
 }
 
+/// The vertices between a tile's surface and its parent's.
+void describe_morph_vertex(const GlFunctions& gl) {
+  using cache::MorphVertex;
+  constexpr GLsizei kStride = sizeof(MorphVertex);
+  gl.VertexAttribPointer(2, 4, GL_FLOAT, GL_FALSE, kStride, offset(offsetof(MorphVertex, x)));
+  gl.VertexAttribPointer(3, 4, GL_SHORT, GL_TRUE, kStride, offset(offsetof(MorphVertex, normal_x)));
+  gl.VertexAttribIPointer(4, 1, GL_UNSIGNED_SHORT, kStride, offset(offsetof(MorphVertex, skirt)));
+  for (GLuint location = 2; location < 5; ++location) gl.EnableVertexAttribArray(location);
+}
+
 }  // namespace
 
 GpuTilePool::GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes, std::size_t picture_budget_bytes)
     : gl_(&gl), budget_bytes_(budget_bytes), picture_budget_bytes_(picture_budget_bytes), textures_(gl) {}
 
 GpuTilePool::~GpuTilePool() {
+  for (const Entry& e : entries_) free_morph(e.tile.morph);
   for (const Page& page : pages_) {
     gl_->DeleteVertexArrays(1, &page.vertex_array);
     gl_->DeleteBuffers(1, &page.buffer);
@@ -51,6 +62,8 @@ bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& t
   out.index_count = static_cast<GLsizei>(tile.index_count());
   out.surface_triangles = tile.surface_triangles;
   out.frame = tile.frame;
+  out.occluder = tile.occluder;
+  if (tile.morph) upload_morph(*tile.morph, out.morph);
   out.pictures = textures_.upload(tile.pictures);
   picture_bytes_ += out.pictures.bytes;
   out.bytes = at.length * kUnit + out.pictures.bytes;
@@ -63,6 +76,29 @@ bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& t
   entries_.push_front({ref, out, at, frame_});
   tiles_[ref] = entries_.begin();
   return true;
+}
+
+void GpuTilePool::upload_morph(const cache::MorphMesh& mesh, GpuMorph& out) {
+  const auto bytes = [](const auto& list) { return static_cast<GLsizeiptr>(list.size() * sizeof list[0]); };
+  gl_->GenVertexArrays(1, &out.vertex_array);
+  gl_->BindVertexArray(out.vertex_array);
+  gl_->GenBuffers(1, &out.vertices);
+  gl_->BindBuffer(GL_ARRAY_BUFFER, out.vertices);
+  gl_->BufferData(GL_ARRAY_BUFFER, bytes(mesh.vertices), mesh.vertices.data(), GL_STATIC_DRAW);
+  gl_->GenBuffers(1, &out.indices);
+  gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, out.indices);
+  gl_->BufferData(GL_ELEMENT_ARRAY_BUFFER, bytes(mesh.indices), mesh.indices.data(), GL_STATIC_DRAW);
+  describe_morph_vertex(*gl_);
+  gl_->BindVertexArray(0);
+  out.index_count = static_cast<GLsizei>(mesh.indices.size());
+  out.surface_triangles = mesh.surface_triangles;
+}
+
+void GpuTilePool::free_morph(const GpuMorph& morph) {
+  if (morph.vertex_array == 0) return;
+  gl_->DeleteVertexArrays(1, &morph.vertex_array);
+  gl_->DeleteBuffers(1, &morph.vertices);
+  gl_->DeleteBuffers(1, &morph.indices);
 }
 
 const GpuTile* GpuTilePool::use(const cache::TileRef& tile) {
@@ -130,6 +166,7 @@ bool GpuTilePool::make_room_for_pictures(std::size_t bytes) {
 
 void GpuTilePool::evict_oldest() {
   const Entry& oldest = entries_.back();
+  free_morph(oldest.tile.morph);
   pages_[oldest.place.page].free.give(oldest.place.begin, oldest.place.length);
   bytes_ -= oldest.tile.bytes;
   picture_bytes_ -= oldest.tile.pictures.bytes;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <list>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
@@ -15,6 +16,15 @@
 
 namespace tintree::render {
 
+/// The overlay of a tile with its parent in the graphics card's memory.
+struct GpuMorph {
+  GLuint vertex_array = 0;  ///< 0 for none.
+  GLuint vertices = 0;
+  GLuint indices = 0;
+  GLsizei index_count = 0;
+  std::uint32_t surface_triangles = 0;
+};
+
 /// A tile in the graphics card's memory: a range of one of the pool's buffers.
 struct GpuTile {
   GLuint vertex_array = 0;  ///< Of the whole buffer, shared with other tiles.
@@ -23,7 +33,9 @@ struct GpuTile {
   GLenum index_type = GL_UNSIGNED_INT;  ///< Or GL_UNSIGNED_SHORT.
   GLsizei index_count = 0;              ///< Surface and skirt.
   std::uint32_t surface_triangles = 0;
+  GpuMorph morph;
   codec::GridFrame frame;
+  std::shared_ptr<const cache::Occluder> occluder;
   GpuPictures pictures;
   std::size_t bytes = 0;
 };
@@ -73,6 +85,8 @@ class GpuTilePool {
   };
   using Entries = std::list<Entry>;
 
+  void upload_morph(const cache::MorphMesh& mesh, GpuMorph& out);
+  void free_morph(const GpuMorph& morph);
   /// Finds room, evicting what this frame does not use.
   bool place(std::size_t length, Place& out);
   bool find_gap(std::size_t length, Place& out);

@@ -131,6 +131,7 @@ DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, Tr
   const GLint address_to_eye = terrain_.uniform("address_to_eye");
   const GLint tile_share = terrain_.uniform("tile_share");
   const GLint normal_mapped = terrain_.uniform("normal_mapped");
+  const GLint morph = terrain_.uniform("morph");
   GLuint bound = 0;
   for (const DrawTile& d : cut.draws) {
     const GpuTile* tile = pool.use({trees[d.tree]->nodes()[d.node].id, d.tree});
@@ -142,13 +143,19 @@ DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, Tr
     set(*gl_, tile_share, std::ldexp(1.0, tile->frame.xy_shift) / across);
     gl_->Uniform1i(normal_mapped, tile->pictures.directions != 0 ? 1 : 0);
     pool.textures().bind(tile->pictures);
-    const auto surface = static_cast<GLsizei>(3 * tile->surface_triangles);
-    if (std::exchange(bound, tile->vertex_array) != tile->vertex_array) gl_->BindVertexArray(tile->vertex_array);
-    gl_->DrawElementsBaseVertex(GL_TRIANGLES, style.skirts ? tile->index_count : surface, tile->index_type,
-                                reinterpret_cast<const void*>(tile->index_offset), tile->base_vertex);
+    const bool morphs = d.morph > 0 && tile->morph.vertex_array != 0;
+    const GLuint array = morphs ? tile->morph.vertex_array : tile->vertex_array;
+    if (std::exchange(bound, array) != array) gl_->BindVertexArray(array);
+    set(*gl_, morph, morphs ? d.morph : 0);
+    const std::uint32_t triangles = morphs ? tile->morph.surface_triangles : tile->surface_triangles;
+    const auto surface = static_cast<GLsizei>(3 * triangles);
+    const GLsizei all = morphs ? tile->morph.index_count : tile->index_count;
+    gl_->DrawElementsBaseVertex(GL_TRIANGLES, style.skirts ? all : surface, morphs ? GL_UNSIGNED_INT : tile->index_type,
+                                reinterpret_cast<const void*>(morphs ? 0 : tile->index_offset),
+                                morphs ? 0 : tile->base_vertex);
     ++stats.tiles;
     ++stats.draw_calls;
-    stats.triangles += tile->surface_triangles;
+    stats.triangles += triangles;
   }
   gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   gl_->BindVertexArray(0);

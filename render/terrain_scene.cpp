@@ -49,7 +49,8 @@ TerrainScene::TerrainScene(const GlFunctions& gl, Stores stores, std::span<const
     : options_(options),
       cache_(std::make_unique<cache::TileCache>(
           sources(stores, places),
-          cache::TileCache::Options{.bytes = options.cache_bytes, .texture_blocks = gl.texture_blocks})),
+          cache::TileCache::Options{
+              .bytes = options.cache_bytes, .texture_blocks = gl.texture_blocks, .morph = options.cut.morph})),
       pool_(gl, mesh_bytes(stores, options.gpu_bytes), options.gpu_bytes - mesh_bytes(stores, options.gpu_bytes)),
       renderer_(std::move(renderer)) {
   placed_.reserve(stores.size());
@@ -115,12 +116,18 @@ std::vector<cache::TileRef> TerrainScene::tiles_ahead(const Camera& camera, doub
 LodCut TerrainScene::advance(const Camera& camera, std::optional<double> seconds) {
   pool_.end_frame();
   pool_full_ = false;
+  const OccluderOf occluder_of = [this](std::uint32_t tree, std::uint32_t node) {
+    const GpuTile* tile = pool_.use({trees_[tree]->nodes()[node].id, tree});
+    return tile != nullptr ? tile->occluder.get() : nullptr;
+  };
   const auto choose = [&] {
-    return lod_cut(trees_, camera, options_.cut,
-                   [this](std::uint32_t tree, std::uint32_t node) { return state(tree, node); });
+    return lod_cut(
+        trees_, camera, options_.cut, [this](std::uint32_t tree, std::uint32_t node) { return state(tree, node); },
+        occlusion_pays_.on(options_.occlusion) ? occluder_of : nullptr);
   };
   LodCut cut = choose();
   if (take_over(cut.requests) > 0) cut = choose();
+  occlusion_pays_.note_frame(cut.draws.size(), cut.occluded);
   count_misses(cut.requests);
   cache_->request(cut.requests, seconds ? tiles_ahead(camera, *seconds) : std::vector<cache::TileRef>{});
   return cut;

@@ -15,6 +15,7 @@
 #include "render/gl_functions.h"
 #include "render/gpu_tile_pool.h"
 #include "render/lod_cut.h"
+#include "render/occlusion.h"
 #include "render/offscreen_target.h"
 #include "render/prefetch.h"
 #include "render/renderer.h"
@@ -23,7 +24,8 @@
 namespace tintree::render {
 
 struct SceneOptions {
-  CutOptions cut;
+  CutOptions cut;  ///< `morph` is chosen here once: the tiles are made for it.
+  Occlusion occlusion = Occlusion::kWhereItPays;
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< Main memory for tiles made ready.
   /// Graphics memory for tiles, never exceeded: a view that needs more is drawn coarser where it does not fit.
   std::size_t gpu_bytes = std::size_t{512} << 20;
@@ -79,6 +81,7 @@ class TerrainScene {
   cache::TileCache& cache() { return *cache_; }
   const GpuTilePool& pool() const { return pool_; }
   CutOptions& cut_options() { return options_.cut; }
+  Occlusion& occlusion() { return options_.occlusion; }
 
  private:
   TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places, const SceneOptions& options,
@@ -100,6 +103,7 @@ class TerrainScene {
   GpuTilePool pool_;
   Renderer renderer_;
   CameraTrail trail_;
+  OcclusionSwitch occlusion_pays_;
   FrameStats stats_;
   std::uint64_t bytes_read_before_ = 0;
   std::unordered_set<cache::TileRef, cache::TileRefHash> awaited_;  ///< Missing tiles that have been counted.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -27,6 +28,9 @@ struct AnalyticTree {
   std::function<double(double x_m, double y_m)> height_m = [](double x, double y) {
     return 60 * std::sin(x / 170) * std::cos(y / 130) + 25 * std::sin(x / 41 + y / 57);
   };
+
+  /// Where there is no ground: a cell of a mesh is left out when its middle lies there.
+  std::function<bool(double x_m, double y_m)> hole;
 
   codec::TreeLayout layout() const {
     codec::TreeLayout out;
@@ -72,13 +76,32 @@ struct AnalyticTree {
     const auto width = static_cast<std::uint32_t>(xs.size());
     for (std::uint32_t j = 0; j + 1 < ys.size(); ++j) {
       for (std::uint32_t i = 0; i + 1 < width; ++i) {
+        const double middle_x = static_cast<double>(xs[i] + xs[i + 1]) / 2 * spacing_m;
+        const double middle_y = static_cast<double>(ys[j] + ys[j + 1]) / -2 * spacing_m;
+        if (hole && hole(middle_x, middle_y)) continue;
         const std::uint32_t nw = j * width + i;
         const std::uint32_t sw = nw + width;
         out.triangles.push_back({nw, sw, nw + 1});
         out.triangles.push_back({nw + 1, sw, sw + 1});
       }
     }
+    if (hole) drop_loose_vertices(out);
     return out;
+  }
+
+  static void drop_loose_vertices(codec::TileMesh& mesh) {
+    std::vector<std::int64_t> place(mesh.vertices.size(), -1);
+    std::vector<codec::GridVertex> kept;
+    for (codec::Triangle& t : mesh.triangles) {
+      for (std::uint32_t& i : t) {
+        if (place[i] < 0) {
+          place[i] = static_cast<std::int64_t>(kept.size());
+          kept.push_back(mesh.vertices[i]);
+        }
+        i = static_cast<std::uint32_t>(place[i]);
+      }
+    }
+    mesh.vertices = std::move(kept);
   }
 
   /// Largest difference of the mesh from the samples; `border_only`: of those on the tile's sides.
@@ -126,7 +149,9 @@ struct AnalyticTree {
     std::vector<codec::TileId> out;
     for (int level = 0; level <= l.leaf_level; ++level) {
       for (std::uint32_t y = 0; y < l.tiles_y(level); ++y) {
-        for (std::uint32_t x = 0; x < l.tiles_x(level); ++x) out.push_back({level, x, y});
+        for (std::uint32_t x = 0; x < l.tiles_x(level); ++x) {
+          if (!hole || !mesh({level, x, y}).triangles.empty()) out.push_back({level, x, y});
+        }
       }
     }
     std::ranges::sort(out, {}, &codec::TileId::key);

@@ -280,6 +280,84 @@ TEST_F(RendererTest, PicturesDoNotChangeWithThePlaceInTheWorld) {
   EXPECT_LE(most, 2);  // Rounding, no more.
 }
 
+/// Ridges and valleys as high as they are wide.
+double ridges(double x, double y) {
+  return 160 * std::sin(x / 210) * std::cos(y / 170) + 60 * std::sin(x / 60 + y / 75);
+}
+
+// A slow flight upwards at four pixels. What one step changes is seen by drawing both steps' cuts from one eye: the
+// largest jump of any pixel's depth, in pixels at that depth.
+TEST_F(RendererTest, MorphsLeaveNothingToPop) {
+  test::AnalyticTree tree;
+  tree.columns = tree.rows = 257;
+  tree.tile_cells = 16;
+  tree.height_m = [](double x, double y) { return 20 * std::sin(x / 90) * std::cos(y / 70); };
+  open(tree);
+  const auto largest_jump = [&](bool morph) {
+    SceneOptions options;
+    options.cut = {.pixel_error = 4, .morph = morph};
+    const auto s = std::move(*TerrainScene::create(gl_, *store_, options));
+    const auto target = OffscreenTarget::create(gl_, kWidth, kHeight, 1);
+    std::optional<LodCut> before;
+    double jump = 0;
+    for (int step = 0; step < 40; ++step) {
+      const glm::dvec3 eye(1280 + step, -1280, 150 * std::pow(1.04, step));
+      const Camera c = camera(eye, eye + glm::dvec3(0.1, 0.2, -1));
+      const auto cut = s->settle(c);
+      EXPECT_TRUE(cut);
+      std::array<std::vector<float>, 2> depths;
+      for (std::size_t i = 0; i < 2; ++i) {
+        LodCut drawn = i == 0 ? before.value_or(*cut) : *cut;
+        drawn.nearest_m = cut->nearest_m;  // One scale of depth.
+        drawn.farthest_m = cut->farthest_m;
+        s->draw(*target, c, drawn, before_magenta());
+        EXPECT_TRUE(c.eye.z > 600 || count_magenta(target->read_picture()) == 0) << step;
+        depths[i] = target->read_depths();
+      }
+      for (std::size_t i = 0; i < depths[0].size(); ++i) {
+        if (depths[0][i] <= 0 || depths[1][i] <= 0) continue;
+        jump = std::max(jump, std::abs(static_cast<double>(depths[0][i] / depths[1][i]) - 1) * c.focal_px());
+      }
+      before = *cut;
+    }
+    return jump;
+  };
+  const double without = largest_jump(false);
+  const double with = largest_jump(true);
+  EXPECT_GT(without, 1.5);
+  EXPECT_LT(with, 0.25 * without);
+}
+
+// Low among ridges, with and without a hole in the ground, level and looking down.
+TEST_F(RendererTest, OcclusionChangesNoPixel) {
+  std::size_t with = 0, without = 0;
+  for (const bool hole : {false, true}) {
+    test::AnalyticTree tree;
+    tree.columns = tree.rows = 193;
+    tree.tile_cells = 16;
+    tree.height_m = ridges;
+    if (hole) tree.hole = [](double x, double y) { return std::hypot(x - 1000, y + 900) < 120; };
+    open(tree);
+    const auto s = scene();
+    for (int view = 0; view < 16; ++view) {
+      const glm::dvec3 ground(400 + 51.0 * view, -500 - 33.0 * view, ridges(400 + 51.0 * view, -500 - 33.0 * view));
+      const glm::dvec3 eye = ground + glm::dvec3(0, 0, 12 + 6.0 * (view % 7));
+      const Camera c =
+          camera(eye, eye + glm::dvec3(std::sin(1.3 * view), std::cos(1.3 * view), 0.1 - 0.15 * (view % 4)));
+      std::array<Picture, 2> pictures;
+      for (const bool on : {false, true}) {
+        s->occlusion() = on ? Occlusion::kAlways : Occlusion::kOff;
+        const auto cut = s->settle(c);
+        ASSERT_TRUE(cut);
+        (on ? with : without) += cut->draws.size();
+        pictures[on ? 1 : 0] = picture(*s, c, *cut, {});
+      }
+      EXPECT_EQ(pictures[0].rgb, pictures[1].rgb) << view << (hole ? " with a hole" : "");
+    }
+  }
+  EXPECT_LT(4 * with, 3 * without);
+}
+
 TEST_F(RendererTest, RefusesAFrameLargerThanTheDriverHas) {
   const auto target = OffscreenTarget::create(gl_, 1 << 20, 10, 1);
   ASSERT_FALSE(target);

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cache/tile_bounds.h"
+#include "render/camera.h"
+#include "render/frustum.h"
+
+namespace tintree::render {
+
+/// How far, 0 to 1, a node's tile is to be on its way to its parent's surface, so that neither the change to the
+/// parent nor that to its children shows (geomorphs: Schneider and Westermann 2006, section 5; one weight a tile
+/// here, because tiles that are larger than their distance leave no room for one a vertex).
+///
+/// With e the largest error of the node and its siblings, E that of the parent, and t the error that projects to
+/// `pixel_error` at the nearest visible point of the *parent's* box, the weight is (t - e) / (E - e): 1 where the
+/// parent may be drawn in their place, 0 before any of them gives way to its children, the same for all four. The
+/// error of the surface in between is then t: what the pixel allows. 0 for the root.
+/// `node`: index into nodes(). Cost: about 0.2 us.
+double morph_weight(const cache::TileBounds& bounds, std::uint32_t node, const Camera& camera, const Frustum& frustum,
+                    double pixel_error);
+
+}  // namespace tintree::render
