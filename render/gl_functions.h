@@ -15,11 +15,14 @@ using GetGlFunction = std::function<void*(const char* name)>;
 /// Every OpenGL function that this program calls, with its type: all of 3.3 core. An own table, because
 /// the usual loaders fail beside OSMesa.
 #define TINTREE_GL_FUNCTIONS(X)                                              \
+  X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                   \
   X(PFNGLATTACHSHADERPROC, AttachShader)                                     \
   X(PFNGLBINDBUFFERPROC, BindBuffer)                                         \
   X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                               \
   X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                             \
+  X(PFNGLBINDTEXTUREPROC, BindTexture)                                       \
   X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                               \
+  X(PFNGLBLENDFUNCPROC, BlendFunc)                                           \
   X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                               \
   X(PFNGLBUFFERDATAPROC, BufferData)                                         \
   X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                 \
@@ -34,6 +37,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                   \
   X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                       \
   X(PFNGLDELETESHADERPROC, DeleteShader)                                     \
+  X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                 \
   X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                         \
   X(PFNGLDEPTHFUNCPROC, DepthFunc)                                           \
   X(PFNGLDEPTHMASKPROC, DepthMask)                                           \
@@ -47,6 +51,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLGENBUFFERSPROC, GenBuffers)                                         \
   X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                               \
   X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                             \
+  X(PFNGLGENTEXTURESPROC, GenTextures)                                       \
   X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                               \
   X(PFNGLGETERRORPROC, GetError)                                             \
   X(PFNGLGETINTEGERVPROC, GetIntegerv)                                       \
@@ -62,8 +67,12 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLREADPIXELSPROC, ReadPixels)                                         \
   X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample) \
   X(PFNGLSHADERSOURCEPROC, ShaderSource)                                     \
+  X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                         \
+  X(PFNGLTEXPARAMETERIPROC, TexParameteri)                                   \
   X(PFNGLUNIFORM1FPROC, Uniform1f)                                           \
+  X(PFNGLUNIFORM1IPROC, Uniform1i)                                           \
   X(PFNGLUNIFORM3FPROC, Uniform3f)                                           \
+  X(PFNGLUNIFORM4FPROC, Uniform4f)                                           \
   X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                             \
   X(PFNGLUSEPROGRAMPROC, UseProgram)                                         \
   X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)                     \

@@ -111,11 +111,14 @@ DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, co
   if (style.wireframe) gl_->PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
   set_terrain_uniforms(camera, bounds, cut, style);
   const GLint address_to_eye = terrain_.uniform("address_to_eye");
+  const GLint tile_tint_at = terrain_.uniform("tile_tint");
   for (const DrawTile& d : cut.draws) {
     const GpuTile* tile = pool.use(bounds.nodes()[d.node].id);
     if (tile == nullptr) continue;
     const std::array<double, 16> matrix = tile->frame.matrix({camera.eye.x, camera.eye.y, camera.eye.z});
     set(*gl_, address_to_eye, glm::make_mat4(matrix.data()));
+    const glm::vec4 tint = tile_tint(style.tint, bounds.nodes()[d.node], d, style.allowed_px);
+    gl_->Uniform4f(tile_tint_at, tint.r, tint.g, tint.b, tint.a);
     const auto surface = static_cast<GLsizei>(3 * tile->surface_triangles);
     gl_->BindVertexArray(tile->vertex_array);
     gl_->DrawElements(GL_TRIANGLES, style.skirts ? tile->index_count : surface, GL_UNSIGNED_INT, nullptr);

@@ -6,6 +6,7 @@ in float rise;
 
 uniform vec3 to_sun;           // unit vector
 uniform float relief;          // metres from the lowest ground to the highest: the range of the tint
+uniform vec4 tile_tint;        // sRGB colour of the tile in place of the ground's own, and how much of it
 uniform float haze_begin;      // metres from the eye
 uniform float haze_per_metre;
 
@@ -35,6 +36,7 @@ void main() {
   vec3 albedo = hypsometric(clamp(rise / relief, 0.0, 1.0));
   // Little grows on steep ground.
   albedo = mix(to_linear(vec3(0.52, 0.47, 0.43)), albedo, smoothstep(0.45, 0.85, abs(n.z)));
+  albedo = mix(albedo, to_linear(tile_tint.rgb), tile_tint.a);
 
   const vec3 kSun = vec3(1.45, 1.36, 1.20);
   const vec3 kSky = vec3(0.17, 0.21, 0.28);
