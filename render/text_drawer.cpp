@@ -100,20 +100,20 @@ TextDrawer::~TextDrawer() {
   gl_->DeleteBuffers(1, &vertices_);
 }
 
-void TextDrawer::draw(const OffscreenTarget& target, std::span<const TextPanel> panels, std::span<const TextLine> lines,
+void TextDrawer::draw(glm::ivec2 picture_px, std::span<const TextPanel> panels, std::span<const TextLine> lines,
                       float size_px) const {
   std::vector<Vertex> vertices;
   for (const TextPanel& p : panels) add_area(vertices, p.from_px, p.to_px, {-1, 0}, {-1, 0}, p.color);
   for (const TextLine& line : lines) add_line(vertices, line, size_px);
   if (vertices.empty()) return;
-  target.bind();
+  gl_->Viewport(0, 0, picture_px.x, picture_px.y);
   gl_->Disable(GL_DEPTH_TEST);  // Which keeps the depths from being written too.
   gl_->Enable(GL_BLEND);
   gl_->BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   program_.use();
   const Font& font = overlay_font();
-  gl_->Uniform3f(program_.uniform("picture_px"), static_cast<float>(target.width_px()),
-                 static_cast<float>(target.height_px()), 0);
+  gl_->Uniform3f(program_.uniform("picture_px"), static_cast<float>(picture_px.x),
+                 static_cast<float>(picture_px.y), 0);
   gl_->Uniform1f(program_.uniform("outline_px"),
                  2 * static_cast<float>(font.margin_px) * size_px / static_cast<float>(font.size_px));
   gl_->Uniform1i(program_.uniform("atlas"), 0);

@@ -8,7 +8,6 @@
 
 #include "codec/error.h"
 #include "render/gl_functions.h"
-#include "render/offscreen_target.h"
 #include "render/shader_program.h"
 
 namespace tintree::render {
@@ -40,8 +39,9 @@ class TextDrawer {
   TextDrawer& operator=(TextDrawer&&) = delete;
   ~TextDrawer();
 
-  /// Over what `target` holds, panels first; its depths stay as they are. `size_px`: height of an em.
-  void draw(const OffscreenTarget& target, std::span<const TextPanel> panels, std::span<const TextLine> lines,
+  /// Over what the frame that is drawn into holds, panels first; its depths stay as they are. `picture_px`: its width
+  /// and height; `size_px`: height of an em.
+  void draw(glm::ivec2 picture_px, std::span<const TextPanel> panels, std::span<const TextLine> lines,
             float size_px) const;
 
  private:
