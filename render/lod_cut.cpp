@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include <glm/geometric.hpp>
+
 #include "render/frustum.h"
 
 namespace tintree::render {
@@ -17,7 +19,7 @@ class Walk {
 
   LodCut run() {
     if (!bounds_.nodes().empty()) visit(0);
-    std::ranges::stable_sort(cut_.requests, {}, &codec::TileId::level);
+    order_requests();
     summarise();
     return std::move(cut_);
   }
@@ -38,16 +40,24 @@ class Walk {
             projected_error_px(static_cast<double>(node.lod_error_m), nearest_m, camera_)};
   }
 
+  struct Asked {
+    codec::TileId id;
+    double off_middle = 0;  ///< Less the cosine of the angle between the view and the way to its box.
+  };
+
   /// Draws all that is visible under a node; false when it cannot, and then has drawn nothing of it.
   bool visit(std::uint32_t index) {
     const cache::TileNode& node = bounds_.nodes()[index];
     const Seen seen = look(node);
-    if (seen.outside) return true;
+    if (seen.outside) {
+      ++cut_.culled;
+      return true;
+    }
     const bool leaf = node.child_mask == 0;
     if (leaf || seen.error_px <= options_.pixel_error) return take(index, seen);
     if (visit_children(index, [this](std::uint32_t child) { return visit(child); })) return true;
     if (!resident_(index)) {
-      cut_.requests.push_back(node.id);
+      ask(node);
       return false;
     }
     draw(index, seen, true);
@@ -55,13 +65,15 @@ class Walk {
   }
 
   bool take(std::uint32_t index, const Seen& seen) {
+    ++cut_.wanted;
     if (resident_(index)) {
       if (seen.error_px > options_.pixel_error) ++cut_.leaf_limited;
       draw(index, seen, false);
       return true;
     }
     cut_.complete = false;
-    cut_.requests.push_back(bounds_.nodes()[index].id);
+    ++cut_.late;
+    ask(bounds_.nodes()[index]);
     return visit_children(index, [this](std::uint32_t child) { return stand_in_finer(child); });
   }
 
@@ -105,6 +117,20 @@ class Walk {
     return (column >= (2.0 * id.x + 1) * half ? 1U : 0U) | (row > (2.0 * id.y + 1) * half ? 2U : 0U);
   }
 
+  void ask(const cache::TileNode& node) {
+    const cache::Box box = bounds_.box(node);
+    const glm::dvec3 middle(box.min[0] + box.max[0], box.min[1] + box.max[1], box.min[2] + box.max[2]);
+    const glm::dvec3 way = 0.5 * middle - camera_.eye;
+    asked_.push_back({node.id, -glm::dot(way, forward_) / std::max(glm::length(way), 1e-9)});
+  }
+
+  void order_requests() {
+    std::ranges::stable_sort(asked_, [](const Asked& a, const Asked& b) {
+      return std::pair(a.id.level, a.off_middle) < std::pair(b.id.level, b.off_middle);
+    });
+    for (const Asked& a : asked_) cut_.requests.push_back(a.id);
+  }
+
   void draw(std::uint32_t index, const Seen& seen, bool stands_in) {
     cut_.draws.push_back({index, seen.error_px, seen.nearest_m, seen.farthest_m, stands_in});
   }
@@ -121,10 +147,12 @@ class Walk {
 
   const cache::TileBounds& bounds_;
   const Camera& camera_;
+  const glm::dvec3 forward_ = camera_.axes().forward;
   const Frustum frustum_;
   const CutOptions& options_;
   const IsResident& resident_;
   LodCut cut_;
+  std::vector<Asked> asked_;
 };
 
 }  // namespace

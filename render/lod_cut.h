@@ -26,12 +26,16 @@ struct DrawTile {
 
 /// Which tiles to draw for a view, and which to fetch.
 struct LodCut {
-  std::vector<DrawTile> draws;          ///< Front to back; no two overlap.
-  std::vector<codec::TileId> requests;  ///< Missing tiles: the coarsest first, then the nearest.
-  double max_error_px = 0;              ///< The largest error_px drawn.
-  bool complete = true;                 ///< Every tile that the view wants is resident and drawn.
-  std::uint32_t leaf_limited = 0;       ///< Leaves drawn above pixel_error: the data end there.
-  double nearest_m = 0;                 ///< Bounds of the depth of what is drawn; both 0 when nothing is.
+  std::vector<DrawTile> draws;  ///< Front to back; no two overlap.
+  /// Missing tiles, the most important on the screen first: the coarsest, then those nearest to the view's middle.
+  std::vector<codec::TileId> requests;
+  double max_error_px = 0;         ///< The largest error_px drawn.
+  bool complete = true;            ///< Every tile that the view wants is resident and drawn.
+  std::uint32_t leaf_limited = 0;  ///< Leaves drawn above pixel_error: the data end there.
+  std::uint32_t wanted = 0;        ///< Tiles that the view would draw with everything resident.
+  std::uint32_t late = 0;          ///< Those of them that are not resident.
+  std::uint32_t culled = 0;        ///< Nodes at which the walk ended because the frustum does not reach them.
+  double nearest_m = 0;            ///< Bounds of the depth of what is drawn; both 0 when nothing is.
   double farthest_m = 0;
 };
 

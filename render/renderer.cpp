@@ -123,6 +123,7 @@ DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, co
     gl_->BindVertexArray(tile->vertex_array);
     gl_->DrawElements(GL_TRIANGLES, style.skirts ? tile->index_count : surface, GL_UNSIGNED_INT, nullptr);
     ++stats.tiles;
+    ++stats.draw_calls;
     stats.triangles += tile->surface_triangles;
   }
   gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);

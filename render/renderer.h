@@ -32,6 +32,7 @@ struct Style {
 /// What a frame drew.
 struct DrawStats {
   std::uint32_t tiles = 0;
+  std::uint32_t draw_calls = 0;
   std::uint64_t triangles = 0;  ///< Of surfaces; skirts are not counted.
 };
 

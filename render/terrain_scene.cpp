@@ -35,17 +35,31 @@ std::size_t TerrainScene::take_over(std::vector<codec::TileId>& wanted) {
     const auto tile = moved_bytes < options_.upload_bytes ? cache_.get(id) : nullptr;
     if (tile == nullptr) {
       missing.push_back(id);
+      if (awaited_.insert(id.key()).second) ++stats_.cache_misses;
       continue;
     }
+    if (awaited_.erase(id.key()) == 0) ++stats_.cache_hits;
     pool_.upload(*tile);
     ++moved;
     moved_bytes += tile->bytes();
   }
   wanted = std::move(missing);
+  stats_.uploads += static_cast<std::uint32_t>(moved);
+  stats_.upload_bytes += moved_bytes;
   return moved;
 }
 
 LodCut TerrainScene::update(const Camera& camera) {
+  stats_ = {};
+  LodCut cut = advance(camera);
+  const cache::TileCache::Stats cache = cache_.stats();
+  stats_.bytes_read = cache.bytes_read - std::exchange(bytes_read_before_, cache.bytes_read);
+  stats_.cache_bytes = cache.bytes;
+  stats_.gpu_bytes = pool_.bytes();
+  return cut;
+}
+
+LodCut TerrainScene::advance(const Camera& camera) {
   pool_.end_frame();
   LodCut cut = choose(camera);
   if (take_over(cut.requests) > 0) cut = choose(camera);

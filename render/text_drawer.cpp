@@ -112,8 +112,7 @@ void TextDrawer::draw(glm::ivec2 picture_px, std::span<const TextPanel> panels, 
   gl_->BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   program_.use();
   const Font& font = overlay_font();
-  gl_->Uniform3f(program_.uniform("picture_px"), static_cast<float>(picture_px.x),
-                 static_cast<float>(picture_px.y), 0);
+  gl_->Uniform3f(program_.uniform("picture_px"), static_cast<float>(picture_px.x), static_cast<float>(picture_px.y), 0);
   gl_->Uniform1f(program_.uniform("outline_px"),
                  2 * static_cast<float>(font.margin_px) * size_px / static_cast<float>(font.size_px));
   gl_->Uniform1i(program_.uniform("atlas"), 0);

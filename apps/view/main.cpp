@@ -1,6 +1,7 @@
 #include <chrono>
 
 #include "apps/common/program.h"
+#include "apps/view/playback.h"
 #include "apps/view/still.h"
 #include "apps/view/view_options.h"
 #include "apps/view/window.h"
@@ -21,6 +22,7 @@ Expected<void> run(const CommandLine& line) {
   if (!context) return tl::unexpected(context.error());
   const auto gl = render::load_gl((*context)->get_function());
   if (!gl) return tl::unexpected(gl.error());
+  if (!options->flight.empty()) return play_flight(*gl, *store, *options);
   return draw_still(*gl, *store, *options, begun);
 }
 
@@ -34,12 +36,18 @@ int main(int argc, char** argv) {
   app.add_option("TREE", line.tree, "The .tintree file")->required();
   app.add_option("--pixel-error", line.pixel_error, "Largest error on the screen, pixels")->capture_default_str();
   app.add_option("--size", line.size, "WIDTHxHEIGHT of the picture or window, pixels (1280x720)");
-  app.add_option("--headless", line.headless,
-                 "Draw one picture without a window: egl (graphics card) or osmesa (software)");
+  app.add_option("--headless", line.headless, "Draw without a window: egl (graphics card) or osmesa (software)");
   app.add_option("--screenshot", line.screenshot, "Write a PNG once all its tiles are there, and end");
   app.add_option("--eye", line.eye, "X,Y,Z of the eye: metres east, north and up of the DEM's upper-left sample");
   app.add_option("--target", line.target, "X,Y,Z of the picture's middle");
-  app.add_option("--json", line.json, "Write the picture's figures as JSON");
+  app.add_option("--show", line.show, "levels or error (by colour), triangles, boxes; may be given several times");
+  app.add_option("--sun", line.sun, "AZIMUTH,ELEVATION of the sun, degrees (315,34)");
+  app.add_option("--gpu-memory", line.gpu_memory_mib, "Graphics memory for tiles, MiB")->capture_default_str();
+  app.add_option("--flight", line.flight, "Fly through the keyframes of this JSON file");
+  app.add_option("--frames", line.frames, "Write every frame of the flight into this folder as frame-NNNNNN.png");
+  app.add_option("--fps", line.fps, "Frames a second of the flight")->capture_default_str();
+  app.add_flag("--real-time", line.real_time, "Fly by the clock: late frames skip a part of the way");
+  app.add_option("--json", line.json, "Write the picture's or the flight's figures as JSON");
   app.add_flag("--quiet", line.quiet, "Print nothing but errors");
   return app::run_program(app, argc, argv, [&] { return view::run(line); });
 }

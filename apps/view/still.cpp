@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/common/json_file.h"
+#include "apps/view/debug_lines.h"
 #include "apps/view/picture_file.h"
 #include "render/terrain_scene.h"
 
@@ -61,8 +62,12 @@ Expected<void> draw_still(const render::GlFunctions& gl, const cache::TileStore&
   if (!target) return tl::unexpected(target.error());
   render::SceneOptions scene_options;
   scene_options.cut.pixel_error = options.pixel_error;
+  scene_options.gpu_bytes = options.gpu_bytes;
   const auto scene = render::TerrainScene::create(gl, store, scene_options);
   if (!scene) return tl::unexpected(scene.error());
+
+  const auto lines = render::LineDrawer::create(gl);
+  if (!lines) return tl::unexpected(lines.error());
 
   Figures figures;
   const auto loading = Clock::now();
@@ -70,11 +75,17 @@ Expected<void> draw_still(const render::GlFunctions& gl, const cache::TileStore&
   if (!cut) return tl::unexpected(cut.error());
   figures.cut = std::move(*cut);
   figures.load_seconds = seconds_since(loading);
+  render::Style style = options.style;
+  style.allowed_px = options.pixel_error;
   gl.Finish();
   const auto drawing = Clock::now();
-  figures.drawn = (*scene)->draw(*target, *camera, figures.cut, {});
+  figures.drawn = (*scene)->draw(*target, *camera, figures.cut, style);
   gl.Finish();
   figures.frame_seconds = seconds_since(drawing);
+  if (options.boxes) {
+    const auto boxes = box_lines(store.bounds(), figures.cut);
+    lines->draw(*target, *camera, (*scene)->renderer().near_m(figures.cut), boxes);
+  }
   if (!options.screenshot.empty()) {
     if (auto written = write_png(options.screenshot, target->read_picture()); !written) return written;
   }

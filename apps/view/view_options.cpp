@@ -1,11 +1,14 @@
 #include "apps/view/view_options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 namespace tintree::view {
@@ -14,6 +17,8 @@ namespace {
 constexpr double kElevation = 38 * std::numbers::pi / 180;
 constexpr double kAzimuth = std::numbers::pi;  // South.
 constexpr int kMostPixels = 16384;
+constexpr std::int64_t kLeastGpuMib = 16;
+constexpr std::int64_t kMostGpuMib = std::int64_t{1} << 24;
 
 template <typename Number>
 bool take_number(std::string_view& text, Number& out) {
@@ -75,6 +80,37 @@ std::vector<glm::dvec3> outline(const cache::TileBounds& bounds) {
   return corners;
 }
 
+Expected<void> read_sun(std::string_view text, render::Style& out) {
+  if (text.empty()) return {};
+  double azimuth = 0;
+  double elevation = 0;
+  const bool read = take_number(text, azimuth) && take(text, ',') && take_number(text, elevation) && text.empty();
+  if (!read || !(azimuth >= -360 && azimuth <= 360) || !(elevation >= 0 && elevation <= 90)) {
+    return fail(ErrorCode::kUsage, "wants AZIMUTH,ELEVATION in degrees, clockwise from north and 0 to 90, as in 315,34",
+                "--sun");
+  }
+  out.sun_azimuth_rad = azimuth * std::numbers::pi / 180;
+  out.sun_elevation_rad = elevation * std::numbers::pi / 180;
+  return {};
+}
+
+Expected<void> read_show(std::span<const std::string> names, ViewOptions& out) {
+  for (const std::string& name : names) {
+    if (name == "levels") {
+      out.style.tint = render::Tint::kLevel;
+    } else if (name == "error") {
+      out.style.tint = render::Tint::kError;
+    } else if (name == "triangles") {
+      out.style.wireframe = true;
+    } else if (name == "boxes") {
+      out.boxes = true;
+    } else {
+      return fail(ErrorCode::kUsage, "wants levels, error, triangles or boxes", "--show");
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<ViewOptions> read_options(const CommandLine& line) {
@@ -82,14 +118,33 @@ Expected<ViewOptions> read_options(const CommandLine& line) {
   out.tree = line.tree;
   out.pixel_error = line.pixel_error;
   out.screenshot = line.screenshot;
+  out.flight = line.flight;
+  out.frames = line.frames;
+  out.fps = line.fps;
+  out.real_time = line.real_time;
   out.json = line.json;
   out.quiet = line.quiet;
   if (!std::isfinite(line.pixel_error) || line.pixel_error < 0) {
     return fail(ErrorCode::kUsage, "wants a number of pixels, 0 or more", "--pixel-error");
   }
+  if (!(line.fps > 0 && line.fps <= 10000))
+    return fail(ErrorCode::kUsage, "wants frames a second, more than 0 and at most 10000", "--fps");
+  if (!line.frames.empty() && line.flight.empty())
+    return fail(ErrorCode::kUsage, "wants a --flight to take frames of; for one picture use --screenshot", "--frames");
+  if (!line.frames.empty() && line.real_time)
+    return fail(ErrorCode::kUsage, "writes every frame and takes its time; leave out --real-time", "--frames");
+  if (!line.flight.empty() && !line.screenshot.empty())
+    return fail(ErrorCode::kUsage, "is one picture; leave out --flight, or take --frames of it", "--screenshot");
   if (line.headless == "egl") out.headless = render::Headless::kEgl;
   if (line.headless == "osmesa") out.headless = render::Headless::kOsMesa;
   if (!line.headless.empty() && !out.headless) return fail(ErrorCode::kUsage, "wants egl or osmesa", "--headless");
+  if (line.gpu_memory_mib < kLeastGpuMib) {
+    return fail(ErrorCode::kUsage, fmt::format("wants {} MiB or more, so that the tiles of one view fit", kLeastGpuMib),
+                "--gpu-memory");
+  }
+  out.gpu_bytes = static_cast<std::size_t>(std::min(line.gpu_memory_mib, kMostGpuMib)) << 20U;
+  if (auto read = read_show(line.show, out); !read) return tl::unexpected(read.error());
+  if (auto read = read_sun(line.sun, out.style); !read) return tl::unexpected(read.error());
   if (auto read = read_size(line.size, out); !read) return tl::unexpected(read.error());
   auto eye = read_point(line.eye, "--eye");
   if (!eye) return tl::unexpected(eye.error());

@@ -1,12 +1,16 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cache/tile_bounds.h"
 #include "codec/error.h"
 #include "render/camera.h"
 #include "render/gl_context.h"
+#include "render/renderer.h"
 
 namespace tintree::view {
 
@@ -19,6 +23,13 @@ struct CommandLine {
   std::string screenshot;
   std::string eye;  ///< "X,Y,Z"
   std::string target;
+  std::vector<std::string> show;
+  std::string sun;  ///< "AZIMUTH,ELEVATION"
+  std::int64_t gpu_memory_mib = 512;
+  std::string flight;
+  std::string frames;
+  double fps = 30;
+  bool real_time = false;
   std::string json;
   bool quiet = false;
 };
@@ -33,6 +44,13 @@ struct ViewOptions {
   std::string screenshot;                    ///< Path of a picture to write; empty for none.
   std::optional<glm::dvec3> eye;             ///< World frame, metres.
   std::optional<glm::dvec3> target;
+  render::Style style;
+  bool boxes = false;                              ///< Show the tiles' boxes.
+  std::size_t gpu_bytes = std::size_t{512} << 20;  ///< Graphics memory for tiles.
+  std::string flight;                              ///< Path of a flight to play; empty for none.
+  std::string frames;                              ///< Folder for its frames; empty for none.
+  double fps = 30;
+  bool real_time = false;  ///< The clock leads the camera, not the frame's number.
   std::string json;
   bool quiet = false;
 };

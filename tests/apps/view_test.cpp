@@ -122,6 +122,71 @@ TEST_F(ViewProgram, RefusesADamagedTile) {
   EXPECT_FALSE(std::filesystem::exists(png));
 }
 
+constexpr const char* kFlight = R"({"keyframes": [
+    {"seconds": 0, "eye_m": [640, -1500, 500], "target_m": [640, -640, 0]},
+    {"seconds": 0.2, "eye_m": [640, -1100, 200], "azimuth_deg": 10, "elevation_deg": -20}]})";
+
+TEST_F(ViewProgram, FliesAndWritesFramesAndFigures) {
+  const std::string flight = dir_.file("flight.json");
+  test::write_file(flight, kFlight);
+  std::vector<std::string> pictures;
+  for (const char* folder : {"a", "b"}) {
+    const std::string frames = dir_.file(folder);
+    const std::string json = frames + ".json";
+    const auto r = view({tree_, "--headless", "osmesa", "--flight", flight, "--fps", "10", "--frames", frames, "--size",
+                         "160x120", "--json", json});
+    ASSERT_EQ(r.exit_code, 0) << r.all();
+    const auto figures = nlohmann::json::parse(test::read_file(json));
+    EXPECT_EQ(figures.at("frame_count"), 3);
+    EXPECT_EQ(figures.at("frames").size(), 3U);
+    EXPECT_EQ(figures.at("late_frames"), 0);
+    EXPECT_LE(figures.at("frame_seconds_median"), figures.at("frame_seconds_worst"));
+    std::uint64_t triangles = 0;
+    for (const auto& f : figures.at("frames")) {
+      EXPECT_GT(f.at("triangles").get<int>(), 100);
+      EXPECT_EQ(f.at("late_tiles"), 0);
+      EXPECT_EQ(f.at("tiles"), f.at("wanted_tiles"));
+      triangles += f.at("triangles").get<std::uint64_t>();
+    }
+    EXPECT_EQ(figures.at("triangles"), triangles);
+    EXPECT_FALSE(std::filesystem::exists(frames + "/frame-000003.png"));
+    pictures.push_back(test::read_file(frames + "/frame-000002.png"));
+  }
+  EXPECT_EQ(pictures[0].substr(1, 3), "PNG");
+  EXPECT_EQ(pictures[0], pictures[1]);  // A fixed step, whatever the clock says.
+}
+
+TEST_F(ViewProgram, FliesByTheClockWithoutWaiting) {
+  const std::string flight = dir_.file("flight.json");
+  const std::string json = dir_.file("flight_figures.json");
+  test::write_file(flight, kFlight);
+  const auto r = view(
+      {tree_, "--headless", "osmesa", "--flight", flight, "--real-time", "--size", "64x48", "--json", json, "--quiet"});
+  ASSERT_EQ(r.exit_code, 0) << r.all();
+  const auto figures = nlohmann::json::parse(test::read_file(json));
+  EXPECT_GE(figures.at("frame_count").get<int>(), 1);
+  EXPECT_LE(figures.at("frame_count").get<int>(), 7);
+  EXPECT_EQ(figures.at("waits_for_tiles"), false);
+}
+
+TEST_F(ViewProgram, SaysWhatIsWrongWithTheFlight) {
+  const std::string flight = dir_.file("flight.json");
+  const std::vector<std::string> base{tree_, "--headless", "osmesa", "--flight", flight};
+  expect_failure(view(base), 4, "flight.json");
+  test::write_file(flight, "nonsense");
+  expect_failure(view(base), 3, "flight.json");
+  test::write_file(flight, kFlight);
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), base.begin(), base.end());
+    return view(more);
+  };
+  expect_failure(with({"--fps", "0"}), 2, "--fps");
+  expect_failure(with({"--frames", dir_.file("f"), "--real-time"}), 2, "--frames");
+  expect_failure(with({"--screenshot", dir_.file("f.png")}), 2, "--screenshot");
+  expect_failure(with({"--frames", tree_}), 4, tree_);
+  expect_failure(view({tree_, "--headless", "osmesa", "--frames", dir_.file("f")}), 2, "--frames");
+}
+
 TEST_F(ViewProgram, WithoutADisplaySaysWhatToDo) { expect_failure(view({tree_}), 4, "--headless osmesa"); }
 
 TEST_F(ViewProgram, SaysWhenThePictureCannotBeWritten) {

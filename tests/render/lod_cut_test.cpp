@@ -64,6 +64,8 @@ TEST_F(LodCutTest, CoversWhatIsVisibleExactlyOnceWithinTheError) {
     const LodCut cut = lod_cut(bounds_, c, {1}, kAll);
     EXPECT_TRUE(cut.complete);
     EXPECT_TRUE(cut.requests.empty());
+    EXPECT_EQ(cut.wanted, cut.draws.size());
+    EXPECT_EQ(cut.late, 0U);
     expect_covered_once(cut, c);
     for (const DrawTile& d : cut.draws) {
       const cache::TileNode& node = bounds_.nodes()[d.node];
@@ -140,6 +142,30 @@ TEST_F(LodCutTest, WithNothingResidentAsksCoarseFirstAndDrawsNothing) {
   ASSERT_FALSE(cut.requests.empty());
   EXPECT_EQ(cut.requests.front(), (TileId{0, 0, 0}));
   EXPECT_TRUE(std::ranges::is_sorted(cut.requests, {}, &TileId::level));
+  EXPECT_EQ(cut.late, cut.wanted);
+  EXPECT_GT(cut.late, 0U);
+}
+
+// Of one level the tiles in the middle of the view come first.
+TEST_F(LodCutTest, AsksForTheMiddleOfTheViewFirst) {
+  std::mt19937 random(7);
+  int compared = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Camera c = camera(random);
+    const LodCut cut = lod_cut(bounds_, c, {1}, [](std::uint32_t n) { return n == 0; });
+    const auto angle = [&](const TileId& t) {
+      const cache::Box b = bounds_.box(bounds_.nodes()[static_cast<std::size_t>(bounds_.find(t))]);
+      const glm::dvec3 middle{(b.min[0] + b.max[0]) / 2, (b.min[1] + b.max[1]) / 2, (b.min[2] + b.max[2]) / 2};
+      const glm::dvec3 way = glm::normalize(middle - c.eye);
+      return std::acos(std::clamp(glm::dot(way, glm::normalize(c.target - c.eye)), -1.0, 1.0));
+    };
+    for (std::size_t k = 1; k < cut.requests.size(); ++k) {
+      if (cut.requests[k].level != cut.requests[k - 1].level) continue;
+      EXPECT_LE(angle(cut.requests[k - 1]), angle(cut.requests[k]) + 1e-6);
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 50);
 }
 
 // Whatever subset is resident: once the root is there, nothing visible is missing, nothing is drawn twice,
