@@ -79,6 +79,7 @@ void LineDrawer::draw(const OffscreenTarget& target, const Camera& camera, doubl
     vertices.push_back({glm::vec3(line.to - camera.eye), line.color});
   }
   target.bind();
+  if (gl_->ClipControl != nullptr) gl_->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   gl_->Enable(GL_DEPTH_TEST);
   gl_->DepthFunc(GL_GREATER);
   gl_->DepthMask(GL_FALSE);

@@ -18,7 +18,10 @@ struct Vertex {
   glm::vec4 color;
 };
 
-/// Two triangles. The atlas' corners have x under 0 for an area without a character.
+/// Stands for an area without a character where the atlas' corners are wanted.
+constexpr glm::vec2 kPlain{-1e6F, 0};
+
+/// Two triangles.
 void add_area(std::vector<Vertex>& out, glm::vec2 from, glm::vec2 to, glm::vec2 texel_from, glm::vec2 texel_to,
               const glm::vec4& color) {
   const std::array<Vertex, 4> corners{{{from, texel_from, color},
@@ -103,7 +106,7 @@ TextDrawer::~TextDrawer() {
 void TextDrawer::draw(glm::ivec2 picture_px, std::span<const TextPanel> panels, std::span<const TextLine> lines,
                       float size_px) const {
   std::vector<Vertex> vertices;
-  for (const TextPanel& p : panels) add_area(vertices, p.from_px, p.to_px, {-1, 0}, {-1, 0}, p.color);
+  for (const TextPanel& p : panels) add_area(vertices, p.from_px, p.to_px, kPlain, kPlain, p.color);
   for (const TextLine& line : lines) add_line(vertices, line, size_px);
   if (vertices.empty()) return;
   gl_->Viewport(0, 0, picture_px.x, picture_px.y);

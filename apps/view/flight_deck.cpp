@@ -9,18 +9,18 @@ constexpr double kBetweenKeyframes_s = 0.25;
 
 }  // namespace
 
-void FlightDeck::begin_recording(double now_s) {
+void FlightDeck::begin_recording(const render::Camera& camera, double now_s) {
   stop();
   recording_ = true;
   recording_since_ = now_s;
   keyframes_.clear();
+  add(camera, now_s);
 }
 
 void FlightDeck::note(const render::Camera& camera, double now_s) {
   if (!recording_) return;
   const double at = now_s - recording_since_;
-  if (!keyframes_.empty() && at < keyframes_.back().seconds + kBetweenKeyframes_s) return;
-  add(camera, now_s);
+  if (at >= keyframes_.back().seconds + kBetweenKeyframes_s) add(camera, now_s);
 }
 
 void FlightDeck::add(const render::Camera& camera, double now_s) {

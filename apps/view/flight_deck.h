@@ -19,7 +19,7 @@ class FlightDeck {
   bool recording() const { return recording_; }
   bool playing() const { return playing_since_.has_value(); }
 
-  void begin_recording(double now_s);
+  void begin_recording(const render::Camera& camera, double now_s);
   /// Notes the view while recording, four times a second.
   void note(const render::Camera& camera, double now_s);
   /// Ends the recording, which becomes the flight to play. Fails as Flight::create, when it took no time.

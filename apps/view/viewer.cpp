@@ -152,11 +152,11 @@ void Viewer::draw_scene() {
   if (boxes_) lines = box_lines(scene.bounds(), shown);
   if (frozen_) std::ranges::copy(view_lines(*frozen_), std::back_inserter(lines));
   tools_.lines.draw(*target_, camera, scene.renderer().near_m(shown), lines);
-  take_tile_errors();
 
   // Goes on drawing while tiles come; those that cannot be loaded are not waited for.
   const auto ready = [&](const codec::TileId& id) { return scene.cache().get(id) != nullptr; };
   stale_ = !cut.complete && (!scene.cache().idle() || std::ranges::any_of(cut.requests, ready));
+  take_tile_errors();
   text_stale_ = true;
   ++frames_;
 

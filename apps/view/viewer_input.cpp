@@ -170,7 +170,7 @@ void Viewer::toggle_freeze() {
 
 void Viewer::toggle_record() {
   if (!flights_.recording()) {
-    flights_.begin_recording(now_s_);
+    flights_.begin_recording(pilot_.camera(), now_s_);
     return;
   }
   const auto flight = flights_.end_recording(pilot_.camera(), now_s_);
@@ -193,6 +193,7 @@ void Viewer::toggle_play() {
 
 void Viewer::save_picture(bool with_text) {
   if (!target_) return;
+  if (stale_) draw_scene();
   if (with_text) {
     target_->bind();
     const Hud hud = lay_out(hud_text(), target_->width_px(), target_->height_px(), scale());
@@ -204,6 +205,7 @@ void Viewer::save_picture(bool with_text) {
   if (!options_.quiet) fmt::print("{}\n", path);
   std::fflush(stdout);
   notify("saved " + path);
+  stale_ = true;  // Text in the picture is not to stay on the screen.
 }
 
 void Viewer::report(const Error& error) {

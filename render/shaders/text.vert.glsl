@@ -1,7 +1,7 @@
 #version 330 core
 
 layout(location = 0) in vec2 at_px;   // from the left and the top
-layout(location = 1) in vec2 texel;   // of the font's atlas; x under 0: a plain area
+layout(location = 1) in vec2 texel;   // of the font's atlas; far under 0: a plain area
 layout(location = 2) in vec4 tone;
 
 uniform vec3 picture_px;              // width and height
