@@ -16,6 +16,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "render/flight.h"
 #include "tests/render/analytic_tree.h"
@@ -65,13 +66,21 @@ class Window : public testing::Test {
       if (!std::filesystem::exists(program)) GTEST_SKIP() << program << " is missing; scripts/setup installs it";
     }
     test::AnalyticTree().write(tree_);
-    const std::string number = dir_.file("display");
+    // Tests that run side by side take different displays; a number that is in use fails, and the next one is tried.
+    const int first = 100 + static_cast<int>(::getpid() % 20000);
+    for (int number = first; number < first + 5 && display_.empty(); ++number) start_display(number);
+    ASSERT_NE(display_, "") << "Xvfb does not start";
+  }
+
+  void start_display(int number) {
+    const std::string ready = dir_.file("display");
+    const std::string name = ":" + std::to_string(number);
     xvfb_ = std::make_unique<test::RunningProgram>(
-        "/bin/sh", std::vector<std::string>{
-                       "-c", "exec /usr/bin/Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3> '" + number + "'"});
-    ASSERT_TRUE(wait_for([&] { return std::filesystem::exists(number) && test::read_file(number).ends_with('\n'); }));
-    const std::string text = test::read_file(number);
-    display_ = "DISPLAY=:" + text.substr(0, text.size() - 1);
+        "/bin/sh",
+        std::vector<std::string>{"-c", "exec /usr/bin/Xvfb " + name +
+                                           " -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3> '" + ready + "'"});
+    wait_for([&] { return test::read_file(ready).ends_with('\n') || !xvfb_->running(); });
+    if (xvfb_->running()) display_ = "DISPLAY=" + name;
   }
 
   std::vector<std::string> view_arguments(const std::vector<std::string>& more) const {
