@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <unordered_map>
+#include <utility>
 
 namespace tintree::cache {
 namespace {
@@ -40,25 +41,41 @@ std::vector<Vector> normal_sums(const codec::GridFrame& frame, const codec::Tile
 
 std::int16_t to_snorm(double v) { return static_cast<std::int16_t>(std::lround(v * 32767)); }
 
-DrawVertex draw_vertex(const codec::GridVertex& v, const Vector& normal_sum) {
+/// `drop`: the lower bits of x and y that are rounded away.
+DrawVertex draw_vertex(const codec::GridVertex& v, int drop, const Vector& normal_sum) {
   const double length = std::sqrt(dot(normal_sum, normal_sum));
   const double scale = length > 0 ? 1 / length : 0;
-  return {static_cast<float>(v.x),         static_cast<float>(v.y),        static_cast<float>(v.z), 0,
-          to_snorm(normal_sum[0] * scale), to_snorm(normal_sum[1] * scale)};
+  const auto rounded = [drop](std::int32_t a) { return (a + (1 << drop >> 1)) >> drop; };
+  DrawVertex out = DrawVertex::pack(rounded(v.x), rounded(v.y), v.z);
+  out.normal_x = to_snorm(normal_sum[0] * scale);
+  out.normal_y = to_snorm(normal_sum[1] * scale);
+  return out;
+}
+
+/// Address steps along a tile's side.
+std::int64_t steps_across(const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh) {
+  const std::int64_t cells = layout.cells_across(id.level);
+  return mesh.xy_shift >= 0 ? cells >> mesh.xy_shift : cells << -mesh.xy_shift;
 }
 
 /// Adds the skirt to a tile that holds its surface.
 class SkirtMaker {
  public:
-  SkirtMaker(const codec::TreeLayout& layout, const codec::TileMesh& mesh, DrawableTile& tile)
-      : mesh_(mesh), tile_(tile) {
+  SkirtMaker(const codec::TreeLayout& layout, const codec::TileMesh& mesh, std::uint16_t joined_sides,
+             DrawableTile& tile, std::vector<std::uint32_t>& indices)
+      : mesh_(mesh), tile_(tile), indices_(indices) {
     const codec::CellRect cells = layout.cells(tile.id);
-    const std::int64_t across = layout.cells_across(tile.id.level);
-    span_ = mesh.xy_shift >= 0 ? across >> mesh.xy_shift : across << -mesh.xy_shift;
-    has_west_ = tile.id.x > 0;
-    has_north_ = tile.id.y > 0;
-    has_east_ = cells.column1 < layout.columns - 1;
-    has_south_ = cells.row1 < layout.rows - 1;
+    const auto joined = [joined_sides](SkirtSide side) { return (joined_sides & side) != 0; };
+    has_west_ = tile.id.x > 0 || joined(kSkirtWest);
+    has_north_ = tile.id.y > 0 || joined(kSkirtNorth);
+    has_east_ = cells.column1 < layout.columns - 1 || joined(kSkirtEast);
+    has_south_ = cells.row1 < layout.rows - 1 || joined(kSkirtSouth);
+    // A tile that the raster's end cuts short ends there.
+    const auto steps = [&mesh](std::int64_t cell_count) {
+      return mesh.xy_shift >= 0 ? cell_count >> mesh.xy_shift : cell_count << -mesh.xy_shift;
+    };
+    east_ = steps(cells.column1 - cells.column0);
+    south_ = steps(cells.row1 - cells.row0);
   }
 
   void add() {
@@ -75,14 +92,14 @@ class SkirtMaker {
   std::uint16_t sides(std::uint32_t i) const {
     const codec::GridVertex& v = mesh_.vertices[i];
     return static_cast<std::uint16_t>(
-        (has_west_ && v.x == 0 ? kSkirtWest : 0) | (has_east_ && v.x == span_ ? kSkirtEast : 0) |
-        (has_north_ && v.y == 0 ? kSkirtNorth : 0) | (has_south_ && v.y == span_ ? kSkirtSouth : 0));
+        (has_west_ && v.x == 0 ? kSkirtWest : 0) | (has_east_ && v.x == east_ ? kSkirtEast : 0) |
+        (has_north_ && v.y == 0 ? kSkirtNorth : 0) | (has_south_ && v.y == south_ ? kSkirtSouth : 0));
   }
 
   void add_edge(std::uint32_t a, std::uint32_t b) {
     const std::uint32_t low_a = lowered(a);
     const std::uint32_t low_b = lowered(b);
-    for (const std::uint32_t i : {b, a, low_a, b, low_a, low_b}) tile_.indices.push_back(i);
+    for (const std::uint32_t i : {b, a, low_a, b, low_a, low_b}) indices_.push_back(i);
   }
 
   std::uint32_t lowered(std::uint32_t i) {
@@ -90,7 +107,7 @@ class SkirtMaker {
     const auto [at, added] = lowered_.try_emplace(i, next);
     if (added) {
       DrawVertex copy = tile_.vertices[i];
-      copy.skirt = sides(i);
+      copy.high = static_cast<std::uint16_t>(copy.high | sides(i));
       tile_.vertices.push_back(copy);
     }
     return at->second;
@@ -98,25 +115,47 @@ class SkirtMaker {
 
   const codec::TileMesh& mesh_;
   DrawableTile& tile_;
-  std::int64_t span_ = 0;
+  std::vector<std::uint32_t>& indices_;
+  std::int64_t east_ = 0;  ///< Address of the tile's east and south sides.
+  std::int64_t south_ = 0;
   bool has_west_ = false, has_north_ = false, has_east_ = false, has_south_ = false;
   std::unordered_map<std::uint32_t, std::uint32_t> lowered_;
 };
 
 }  // namespace
 
-DrawableTile make_drawable(const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh) {
+DrawVertex DrawVertex::pack(std::int32_t x, std::int32_t y, std::int32_t z) {
+  DrawVertex out;
+  out.x_low = static_cast<std::uint16_t>(x & 0xFFFF);
+  out.y_low = static_cast<std::uint16_t>(y & 0xFFFF);
+  out.z_low = static_cast<std::uint16_t>(z & 0xFFFF);
+  out.high = static_cast<std::uint16_t>(x >> 16 << 4 | y >> 16 << 7 | z >> 16 << 10);
+  return out;
+}
+
+DrawableTile make_drawable(const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh,
+                           std::uint16_t joined_sides) {
   DrawableTile tile;
   tile.id = id;
   tile.frame = codec::GridFrame(layout, id, mesh);
   const std::vector<Vector> sums = normal_sums(tile.frame, mesh);
+  int drop = 0;
+  while ((steps_across(layout, id, mesh) >> drop) > DrawVertex::kMostXy) ++drop;
+  tile.frame.xy_shift += drop;
   tile.vertices.reserve(mesh.vertices.size() + mesh.vertices.size() / 8);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-    tile.vertices.push_back(draw_vertex(mesh.vertices[i], sums[i]));
-  tile.indices.reserve(3 * mesh.triangles.size() + 3 * mesh.triangles.size() / 8);
-  for (const codec::Triangle& t : mesh.triangles) tile.indices.insert(tile.indices.end(), t.begin(), t.end());
+    tile.vertices.push_back(draw_vertex(mesh.vertices[i], drop, sums[i]));
+  std::vector<std::uint32_t> indices;
+  indices.reserve(3 * mesh.triangles.size() + 3 * mesh.triangles.size() / 8);
+  for (const codec::Triangle& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
   tile.surface_triangles = static_cast<std::uint32_t>(mesh.triangles.size());
-  SkirtMaker(layout, mesh, tile).add();
+  SkirtMaker(layout, mesh, joined_sides, tile, indices).add();
+  if (tile.vertices.size() <= 0x10000) {
+    tile.indices.reserve(indices.size());
+    for (const std::uint32_t i : indices) tile.indices.push_back(static_cast<std::uint16_t>(i));
+  } else {
+    tile.wide_indices = std::move(indices);
+  }
   return tile;
 }
 

@@ -13,35 +13,55 @@ namespace tintree::cache {
 /// Sides of a tile's square on the grid, as bits: which way the skirt of a border vertex faces.
 enum SkirtSide : std::uint16_t { kSkirtWest = 1, kSkirtEast = 2, kSkirtNorth = 4, kSkirtSouth = 8 };
 
-/// One vertex as a vertex buffer takes it: 20 bytes.
+/// One vertex as a vertex buffer takes it: 12 bytes (shaders/terrain.vert.glsl unpacks it).
 struct DrawVertex {
-  float x = 0;                ///< Address steps east of the tile's north-west corner; exact up to 2^24.
-  float y = 0;                ///< Address steps south of it.
-  float z = 0;                ///< Height steps above the tile's height origin; exact, the format has 22 bits.
-  std::uint16_t skirt = 0;    ///< 0 on the surface; else SkirtSide bits: draw it pushed down and that way.
+  std::uint16_t x_low = 0;  ///< Address steps east of the tile's north-west corner: the lower 16 bits.
+  std::uint16_t y_low = 0;  ///< Address steps south of it.
+  std::uint16_t z_low = 0;  ///< Height steps above the tile's height origin.
+  /// Bits 0 to 3: SkirtSide, 0 on the surface; then the upper 3 bits of x, 3 of y and 6 of z.
+  std::uint16_t high = 0;
   std::int16_t normal_x = 0;  ///< Unit normal in the world frame (metres), east part times 32767.
   std::int16_t normal_y = 0;  ///< North part; the up part is positive and follows from the unit length.
+
+  static constexpr std::int32_t kMostXy = (1 << 19) - 1;
+  static constexpr std::int32_t kMostZ = (1 << 22) - 1;
+
+  /// x and y in 0..kMostXy, z in 0..kMostZ.
+  static DrawVertex pack(std::int32_t x, std::int32_t y, std::int32_t z);
+  std::int32_t x() const { return x_low | (high >> 4 & 7) << 16; }
+  std::int32_t y() const { return y_low | (high >> 7 & 7) << 16; }
+  std::int32_t z() const { return z_low | (high >> 10) << 16; }
+  /// SkirtSide bits: draw it pushed down and that way.
+  std::uint16_t skirt() const { return high & 15; }
 };
-static_assert(sizeof(DrawVertex) == 20);
+static_assert(sizeof(DrawVertex) == 12);
 
 /// A tile ready for upload. Immutable once made.
 struct DrawableTile {
   codec::TileId id;
   codec::GridFrame frame;  ///< Takes the vertices' addresses to metres.
   std::vector<DrawVertex> vertices;
-  std::vector<std::uint32_t> indices;  ///< Triangles, counter-clockwise from above: the surface, then the skirt.
+  /// Triangles, counter-clockwise from above: the surface, then the skirt. In 16 bits where all vertices can be named
+  /// so, else in 32; the other list is empty.
+  std::vector<std::uint16_t> indices;
+  std::vector<std::uint32_t> wide_indices;
   std::uint32_t surface_triangles = 0;
 
-  std::size_t bytes() const {
-    return sizeof *this + vertices.size() * sizeof(DrawVertex) + indices.size() * sizeof(std::uint32_t);
-  }
+  std::size_t index_count() const { return indices.size() + wide_indices.size(); }
+  std::uint32_t index(std::size_t i) const { return indices.empty() ? wide_indices[i] : indices[i]; }
+  std::size_t vertex_bytes() const { return vertices.size() * sizeof(DrawVertex); }
+  std::size_t index_bytes() const { return 2 * indices.size() + 4 * wide_indices.size(); }
+  std::size_t bytes() const { return sizeof *this + vertex_bytes() + index_bytes(); }
 };
 
 /// Makes the arrays of one decoded tile. Every vertex gets the mean of its triangles' normals in metres
 /// with the weights of Max, "Weights for Computing Vertex Normals from Facet Normals" (1999), which stay
 /// fair where large flat triangles meet small steep ones. Every edge on a side of the square behind which
-/// the raster goes on gets two skirt triangles down to copies of its ends.
-/// `mesh` has passed validate(). Cost: about 0.1 us a vertex.
-DrawableTile make_drawable(const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh);
+/// the ground goes on gets two skirt triangles down to copies of its ends: where the raster does, and on those of the
+/// raster's own sides that `joined_sides` (SkirtSide bits) says another tree joins.
+/// `mesh` has passed validate(). A tile more than 2^19 address steps wide is rounded to what 19 bits hold, a
+/// thousandth of a pixel where all of it is in view. Cost: about 0.1 us a vertex.
+DrawableTile make_drawable(const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh,
+                           std::uint16_t joined_sides = 0);
 
 }  // namespace tintree::cache

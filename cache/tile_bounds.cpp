@@ -45,6 +45,12 @@ void TileBounds::link_children() {
   }
 }
 
+TileBounds TileBounds::placed(const codec::TreeLayout& layout) const {
+  TileBounds out = *this;
+  out.layout_ = layout;
+  return out;
+}
+
 std::vector<std::byte> TileBounds::to_bytes() const {
   std::vector<std::byte> out(nodes_.size() * kRecordBytes);
   std::byte* record = out.data();

@@ -51,6 +51,9 @@ class TileBounds {
   /// `tiles` in ascending key order, every tile's parent among them.
   TileBounds(const codec::TreeLayout& layout, std::span<const TileInfo> tiles);
 
+  /// The same tiles, lying elsewhere.
+  TileBounds placed(const codec::TreeLayout& layout) const;
+
   std::vector<std::byte> to_bytes() const;
   /// Fails with kBadData when the bytes describe no tree over `layout`.
   static Expected<TileBounds> from_bytes(const codec::TreeLayout& layout, std::span<const std::byte> bytes);

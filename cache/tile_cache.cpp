@@ -1,6 +1,8 @@
 #include "cache/tile_cache.h"
 
+#include <algorithm>
 #include <exception>
+#include <ranges>
 #include <utility>
 
 namespace tintree::cache {
@@ -11,24 +13,27 @@ struct Loaded {
   std::size_t payload_bytes = 0;
 };
 
-Expected<Loaded> load(const TileStore& store, const codec::TileId& id) try {
-  auto stored = store.read(id);
+Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id) try {
+  auto stored = tree.store->read(id);
   if (!stored) return tl::unexpected(stored.error());
-  auto mesh = decode_tile(store.manifest(), *stored);
+  auto mesh = decode_tile(tree.store->manifest(), *stored);
   if (!mesh) {
-    mesh.error().where = store.path() + ": " + mesh.error().where;
+    mesh.error().where = tree.store->path() + ": " + mesh.error().where;
     return tl::unexpected(mesh.error());
   }
-  const codec::TreeLayout& layout = store.manifest().layout;
-  return Loaded{std::make_shared<const DrawableTile>(make_drawable(layout, id, *mesh)), stored->payload.size()};
+  return Loaded{std::make_shared<const DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides)),
+                stored->payload.size()};
 } catch (const std::exception& e) {
-  return fail(ErrorCode::kIo, "tile " + id.text() + " could not be loaded: " + e.what(), store.path());
+  return fail(ErrorCode::kIo, "tile " + id.text() + " could not be loaded: " + e.what(), tree.store->path());
 }
 
 }  // namespace
 
+TileCache::TileCache(std::vector<Source> trees, const Options& options)
+    : trees_(std::move(trees)), options_(options), worker_([this] { work(); }) {}
+
 TileCache::TileCache(const TileStore& store, const Options& options)
-    : store_(store), options_(options), worker_([this] { work(); }) {}
+    : TileCache(std::vector<Source>{{&store, store.manifest().layout, 0}}, options) {}
 
 TileCache::~TileCache() {
   {
@@ -40,40 +45,59 @@ TileCache::~TileCache() {
   worker_.join();
 }
 
-std::shared_ptr<const DrawableTile> TileCache::get(const codec::TileId& id) {
+std::shared_ptr<const DrawableTile> TileCache::get(const TileRef& tile) {
   const std::scoped_lock lock(turn_);
-  const auto at = by_key_.find(id.key());
-  if (at == by_key_.end()) return nullptr;
-  touch(at->second);
+  const auto at = by_ref_.find(tile);
+  if (at == by_ref_.end()) return nullptr;
+  touch(at->second, true);
   return at->second->tile;
 }
 
-void TileCache::request(std::span<const codec::TileId> most_urgent_first) {
+void TileCache::request(std::span<const TileRef> needed, std::span<const TileRef> ahead) {
   {
     const std::scoped_lock lock(turn_);
     ++round_;
     queue_.clear();
-    for (const codec::TileId& id : most_urgent_first) {
-      const std::int64_t key = id.key();
-      if (const auto at = by_key_.find(key); at != by_key_.end()) {
-        touch(at->second);
-      } else if (!failed_.contains(key) && !(busy_ && in_work_ == id)) {
-        queue_.push_back(id);
-      }
+    // In reverse for the order of use: what is most urgent leaves last.
+    for (const TileRef& tile : ahead | std::views::reverse) {
+      if (const auto at = by_ref_.find(tile); at != by_ref_.end()) touch(at->second, false);
     }
-    evict();
+    for (const TileRef& tile : needed) enqueue(tile, true);
+    for (const TileRef& tile : ahead) enqueue(tile, false);
+    make_room(0, &Entry::needed);
   }
   asked_.notify_one();
 }
 
+void TileCache::enqueue(const TileRef& tile, bool needed) {
+  if (const auto at = by_ref_.find(tile); at != by_ref_.end()) {
+    if (needed) touch(at->second, true);
+    return;
+  }
+  if (busy_ && in_work_.ref == tile) {
+    in_work_.needed = in_work_.needed || needed;
+  } else if (queue_.size() < options_.queue && !lost_.contains(tile)) {
+    queue_.push_back({tile, needed});
+  }
+}
+
+bool TileCache::busy_with_needed() const {
+  return (busy_ && in_work_.needed) || (!queue_.empty() && queue_.front().needed);
+}
+
 bool TileCache::idle() const {
   const std::scoped_lock lock(turn_);
-  return queue_.empty() && !busy_;
+  return !busy_with_needed();
 }
 
 void TileCache::wait_idle() {
   std::unique_lock lock(turn_);
-  rested_.wait(lock, [this] { return queue_.empty() && !busy_; });
+  rested_.wait(lock, [this] { return !busy_with_needed(); });
+}
+
+bool TileCache::lost(const TileRef& tile) const {
+  const std::scoped_lock lock(turn_);
+  return lost_.contains(tile);
 }
 
 std::vector<Error> TileCache::take_errors() {
@@ -89,55 +113,68 @@ TileCache::Stats TileCache::stats() const {
 void TileCache::work() {
   std::unique_lock lock(turn_);
   while (true) {
+    if (!busy_with_needed()) rested_.notify_all();
     asked_.wait(lock, [this] { return stop_ || !queue_.empty(); });
     if (stop_) return;
-    const codec::TileId id = queue_.front();
+    const Job job = queue_.front();
     queue_.pop_front();
-    if (by_key_.contains(id.key()) || failed_.contains(id.key())) {
-      if (queue_.empty()) rested_.notify_all();
+    if (by_ref_.contains(job.ref) || lost_.contains(job.ref)) continue;
+    const std::size_t usual_bytes = stats_.bytes / std::max<std::size_t>(stats_.tiles, 1);
+    if (!job.needed && !make_room(usual_bytes, &Entry::wanted)) {
+      load_no_more_ahead();
       continue;
     }
-    in_work_ = id;
+    in_work_ = job;
     busy_ = true;
     lock.unlock();
-    auto loaded = load(store_, id);
+    auto loaded = load(trees_[job.ref.tree], job.ref.id);
     lock.lock();
     busy_ = false;
     if (loaded) {
       stats_.bytes_read += loaded->payload_bytes;
-      keep(std::move(loaded->tile));
+      finish(in_work_, std::move(loaded->tile));
     } else {
-      failed_.insert(id.key());
+      lost_.insert(job.ref);
       errors_.push_back(std::move(loaded.error()));
     }
-    if (queue_.empty()) rested_.notify_all();
   }
 }
 
-void TileCache::keep(std::shared_ptr<const DrawableTile> tile) {
-  stats_.bytes += tile->bytes();
+void TileCache::finish(const Job& job, std::shared_ptr<const DrawableTile> tile) {
+  const std::size_t bytes = tile->bytes();
+  if (!make_room(bytes, job.needed ? &Entry::needed : &Entry::wanted) && !job.needed) {
+    load_no_more_ahead();
+    return;
+  }
+  stats_.bytes += bytes;
   ++stats_.tiles;
   ++stats_.loaded;
-  const std::int64_t key = tile->id.key();
-  entries_.push_front({std::move(tile), round_});
-  by_key_[key] = entries_.begin();
-  evict();
+  stats_.ahead += job.needed ? 0U : 1U;
+  entries_.push_front({job.ref, std::move(tile), job.needed ? round_ : 0, round_});
+  by_ref_[job.ref] = entries_.begin();
 }
 
-void TileCache::touch(Entries::iterator entry) {
-  entry->round = round_;
+void TileCache::load_no_more_ahead() {
+  std::erase_if(queue_, [](const Job& j) { return !j.needed; });
+}
+
+void TileCache::touch(Entries::iterator entry, bool needed) {
+  entry->wanted = round_;
+  if (needed) entry->needed = round_;
   entries_.splice(entries_.begin(), entries_, entry);
 }
 
-void TileCache::evict() {
-  while (stats_.bytes > options_.bytes && !entries_.empty() && entries_.back().round + 1 < round_) {
-    const DrawableTile& oldest = *entries_.back().tile;
-    stats_.bytes -= oldest.bytes();
+bool TileCache::make_room(std::size_t room, std::uint64_t Entry::*round) {
+  for (auto at = entries_.end(); stats_.bytes + room > options_.bytes && at != entries_.begin();) {
+    --at;
+    if ((*at).*round + 1 >= round_) continue;
+    stats_.bytes -= at->tile->bytes();
     --stats_.tiles;
     ++stats_.evicted;
-    by_key_.erase(oldest.id.key());
-    entries_.pop_back();
+    by_ref_.erase(at->ref);
+    at = entries_.erase(at);
   }
+  return stats_.bytes + room <= options_.bytes;
 }
 
 }  // namespace tintree::cache

@@ -27,7 +27,7 @@ int TreeLayout::leaf_level_for(std::int64_t columns, std::int64_t rows, int tile
 double TreeLayout::bound_m(int level) const { return std::ldexp(leaf_error_m, leaf_level - level); }
 
 std::array<double, 2> TreeLayout::grid(double x_m, double y_m) const {
-  const auto [across_m, down_m] = axes.grid(x_m, y_m);
+  const auto [across_m, down_m] = axes.grid(x_m - origin_m[0], y_m - origin_m[1]);
   return {across_m / dx_m, down_m / dy_m};
 }
 
@@ -50,7 +50,8 @@ GridFrame::GridFrame(const TreeLayout& layout, const TileId& id, const TileMesh&
       z_step_m(layout.z_step_m[static_cast<std::size_t>(id.level)]),
       dx_m(layout.dx_m),
       dy_m(layout.dy_m),
-      axes(layout.axes) {}
+      axes(layout.axes),
+      origin_m(layout.origin_m) {}
 
 double GridFrame::column(std::int32_t x) const {
   return static_cast<double>(column0) + std::ldexp(static_cast<double>(x), xy_shift);
@@ -62,7 +63,7 @@ double GridFrame::row(std::int32_t y) const {
 
 std::array<double, 3> GridFrame::world(const GridVertex& v) const {
   const auto [x, y] = axes.world(column(v.x) * dx_m, row(v.y) * dy_m);
-  return {x, y, height_m(v.z)};
+  return {origin_m[0] + x, origin_m[1] + y, height_m(v.z)};
 }
 
 std::array<double, 16> GridFrame::matrix(const std::array<double, 3>& eye) const {
@@ -83,8 +84,8 @@ std::array<double, 16> GridFrame::matrix(const std::array<double, 3>& eye) const
           0,
           z_step_m,
           0,
-          corner[0] - eye[0],
-          corner[1] - eye[1],
+          corner[0] + (origin_m[0] - eye[0]),
+          corner[1] + (origin_m[1] - eye[1]),
           z0,
           1};
 }

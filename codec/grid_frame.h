@@ -47,6 +47,8 @@ struct TreeLayout {
   double dx_m = 1;       ///< Sample spacing along a row, from column to column,
   double dy_m = 1;       ///< and from row to row.
   GridAxes axes;
+  /// World x and y of the first sample. Not stored: 0, but in a scene of several trees.
+  std::array<double, 2> origin_m{0, 0};
   double leaf_error_m = 0;       ///< Error bound of the leaves; it doubles with every level up.
   std::vector<double> z_step_m;  ///< Height step of each level, index 0 the root.
 
@@ -55,7 +57,10 @@ struct TreeLayout {
 
   double bound_m(int level) const;
   /// World x and y of a place on the grid, and back.
-  std::array<double, 2> world(double column, double row) const { return axes.world(column * dx_m, row * dy_m); }
+  std::array<double, 2> world(double column, double row) const {
+    const auto [x, y] = axes.world(column * dx_m, row * dy_m);
+    return {origin_m[0] + x, origin_m[1] + y};
+  }
   std::array<double, 2> grid(double x_m, double y_m) const;
   /// DEM cells along the side of a tile of `level`.
   std::int64_t cells_across(int level) const { return std::int64_t{tile_cells} << (leaf_level - level); }
@@ -77,6 +82,7 @@ struct GridFrame {
   double dx_m = 1;
   double dy_m = 1;
   GridAxes axes;
+  std::array<double, 2> origin_m{0, 0};  ///< World x and y of the DEM's first sample.
 
   GridFrame() = default;
   GridFrame(const TreeLayout& layout, const TileId& id, const TileMesh& mesh);

@@ -7,12 +7,12 @@
 
 namespace tintree::render {
 
-LodCut seen_from(LodCut cut, const cache::TileBounds& bounds, const Camera& camera) {
+LodCut seen_from(LodCut cut, Trees trees, const Camera& camera) {
   const Frustum frustum(camera);
   cut.nearest_m = std::numeric_limits<double>::infinity();
   cut.farthest_m = 0;
   for (DrawTile& d : cut.draws) {
-    const cache::Box box = bounds.box(bounds.nodes()[d.node]);
+    const cache::Box box = trees[d.tree]->box(trees[d.tree]->nodes()[d.node]);
     d.nearest_m = std::max(0.0, frustum.nearest_depth_m(box));
     d.farthest_m = frustum.farthest_depth_m(box);
     if (frustum.outside(box)) continue;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "cache/tile_bounds.h"
 #include "render/camera.h"
 #include "render/lod_cut.h"
 
@@ -8,6 +7,6 @@ namespace tintree::render {
 
 /// A cut that was chosen for another camera, to be drawn from this one: the same tiles with their depths as this
 /// camera sees them. Errors stay those of the camera it was chosen for.
-LodCut seen_from(LodCut cut, const cache::TileBounds& bounds, const Camera& camera);
+LodCut seen_from(LodCut cut, Trees trees, const Camera& camera);
 
 }  // namespace tintree::render

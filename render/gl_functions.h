@@ -25,6 +25,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLBLENDFUNCPROC, BlendFunc)                                           \
   X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                               \
   X(PFNGLBUFFERDATAPROC, BufferData)                                         \
+  X(PFNGLBUFFERSUBDATAPROC, BufferSubData)                                   \
   X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                 \
   X(PFNGLCLEARPROC, Clear)                                                   \
   X(PFNGLCLEARCOLORPROC, ClearColor)                                         \
@@ -43,7 +44,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLDEPTHMASKPROC, DepthMask)                                           \
   X(PFNGLDISABLEPROC, Disable)                                               \
   X(PFNGLDRAWARRAYSPROC, DrawArrays)                                         \
-  X(PFNGLDRAWELEMENTSPROC, DrawElements)                                     \
+  X(PFNGLDRAWELEMENTSBASEVERTEXPROC, DrawElementsBaseVertex)                 \
   X(PFNGLENABLEPROC, Enable)                                                 \
   X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)               \
   X(PFNGLFINISHPROC, Finish)                                                 \

@@ -2,58 +2,88 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <list>
 #include <unordered_map>
+#include <vector>
 
 #include "cache/drawable_tile.h"
+#include "cache/tile_ref.h"
 #include "codec/grid_frame.h"
 #include "render/gl_functions.h"
+#include "render/range_allocator.h"
 
 namespace tintree::render {
 
-/// A tile in the graphics card's memory.
+/// A tile in the graphics card's memory: a range of one of the pool's buffers.
 struct GpuTile {
-  GLuint vertex_array = 0;
-  GLuint vertices = 0;
-  GLuint indices = 0;
-  GLsizei index_count = 0;  ///< Surface and skirt.
+  GLuint vertex_array = 0;  ///< Of the whole buffer, shared with other tiles.
+  GLint base_vertex = 0;
+  std::size_t index_offset = 0;         ///< Bytes into the buffer.
+  GLenum index_type = GL_UNSIGNED_INT;  ///< Or GL_UNSIGNED_SHORT.
+  GLsizei index_count = 0;              ///< Surface and skirt.
   std::uint32_t surface_triangles = 0;
   codec::GridFrame frame;
   std::size_t bytes = 0;
 };
 
-/// The tiles uploaded so far, least recently used first to go. Lives and dies while its context is current;
-/// not thread-safe.
+/// The tiles uploaded so far, in ranges of a few large buffers: a new tile takes the place of the least recently used,
+/// and once the budget has been filled nothing more is allocated. Lives and dies while its context is current; not
+/// thread-safe.
 class GpuTilePool {
  public:
-  /// `budget_bytes`: graphics memory for tiles; a frame that draws more keeps what it draws.
-  GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes) : gl_(&gl), budget_bytes_(budget_bytes) {}
+  /// `budget_bytes`: graphics memory for tiles, never exceeded.
+  GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes);
   ~GpuTilePool();
   GpuTilePool(const GpuTilePool&) = delete;
   GpuTilePool& operator=(const GpuTilePool&) = delete;
 
-  bool contains(const codec::TileId& id) const { return tiles_.contains(id.key()); }
-  void upload(const cache::DrawableTile& tile);
+  bool contains(const cache::TileRef& tile) const { return tiles_.contains(tile); }
+  /// Copies the tile to the card and marks it as used in this frame. False when it does not fit beside what this frame
+  /// has used so far.
+  bool upload(const cache::TileRef& ref, const cache::DrawableTile& tile);
   /// The tile, marked as used in this frame, or null.
-  const GpuTile* use(const codec::TileId& id);
-  /// Ends a frame: frees what was not used in it, the longest unused first, while over the budget.
-  void end_frame();
+  const GpuTile* use(const cache::TileRef& tile);
+  /// From here on what has been used before may make room.
+  void end_frame() { ++frame_; }
 
   std::size_t bytes() const { return bytes_; }
   std::size_t tiles() const { return tiles_.size(); }
+  /// Of the buffers, tiles or not.
+  std::size_t reserved_bytes() const { return reserved_bytes_; }
 
  private:
+  struct Page {
+    GLuint vertex_array = 0;
+    GLuint buffer = 0;
+    RangeAllocator free;  ///< In units of one vertex.
+  };
+  struct Place {
+    std::size_t page = 0;
+    std::size_t begin = 0;  ///< In units, as is the length.
+    std::size_t length = 0;
+  };
   struct Entry {
+    cache::TileRef ref;
     GpuTile tile;
+    Place place;
     std::uint64_t frame = 0;  ///< That used it last.
   };
+  using Entries = std::list<Entry>;
 
-  void free(const GpuTile& tile);
+  /// Finds room, evicting what this frame does not use.
+  bool place(std::size_t length, Place& out);
+  bool find_gap(std::size_t length, Place& out);
+  bool add_page(std::size_t length);
+  void evict_oldest();
 
   const GlFunctions* gl_;
   std::size_t budget_bytes_;
   std::size_t bytes_ = 0;
+  std::size_t reserved_bytes_ = 0;
   std::uint64_t frame_ = 0;
-  std::unordered_map<std::int64_t, Entry> tiles_;
+  std::vector<Page> pages_;
+  Entries entries_;  ///< The most recently used first.
+  std::unordered_map<cache::TileRef, Entries::iterator, cache::TileRefHash> tiles_;
 };
 
 }  // namespace tintree::render

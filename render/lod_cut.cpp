@@ -1,6 +1,7 @@
 #include "render/lod_cut.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <utility>
@@ -14,11 +15,15 @@ namespace {
 
 class Walk {
  public:
-  Walk(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options, const IsResident& resident)
-      : bounds_(bounds), camera_(camera), frustum_(camera), options_(options), resident_(resident) {}
+  Walk(Trees trees, const Camera& camera, const CutOptions& options, const TileStates& states)
+      : trees_(trees), camera_(camera), frustum_(camera), options_(options), states_(states) {}
 
   LodCut run() {
-    if (!bounds_.nodes().empty()) visit(0);
+    for (const std::uint32_t tree : nearest_first()) {
+      tree_ = tree;
+      bounds_ = trees_[tree];
+      visit(0);
+    }
     order_requests();
     summarise();
     return std::move(cut_);
@@ -33,7 +38,7 @@ class Walk {
   };
 
   Seen look(const cache::TileNode& node) const {
-    const cache::Box box = bounds_.box(node);
+    const cache::Box box = bounds_->box(node);
     if (frustum_.outside(box)) return {true, 0, 0, 0};
     const double nearest_m = frustum_.nearest_depth_m(box);
     return {false, nearest_m, frustum_.farthest_depth_m(box),
@@ -41,13 +46,13 @@ class Walk {
   }
 
   struct Asked {
-    codec::TileId id;
+    cache::TileRef tile;
     double off_middle = 0;  ///< Less the cosine of the angle between the view and the way to its box.
   };
 
   /// Draws all that is visible under a node; false when it cannot, and then has drawn nothing of it.
   bool visit(std::uint32_t index) {
-    const cache::TileNode& node = bounds_.nodes()[index];
+    const cache::TileNode& node = bounds_->nodes()[index];
     const Seen seen = look(node);
     if (seen.outside) {
       ++cut_.culled;
@@ -56,7 +61,7 @@ class Walk {
     const bool leaf = node.child_mask == 0;
     if (leaf || seen.error_px <= options_.pixel_error) return take(index, seen);
     if (visit_children(index, [this](std::uint32_t child) { return visit(child); })) return true;
-    if (!resident_(index)) {
+    if (state(index) != TileState::kResident) {
       ask(node);
       return false;
     }
@@ -66,32 +71,36 @@ class Walk {
 
   bool take(std::uint32_t index, const Seen& seen) {
     ++cut_.wanted;
-    if (resident_(index)) {
+    const TileState here = state(index);
+    if (here == TileState::kResident) {
       if (seen.error_px > options_.pixel_error) ++cut_.leaf_limited;
       draw(index, seen, false);
       return true;
     }
     cut_.complete = false;
-    ++cut_.late;
-    ask(bounds_.nodes()[index]);
+    if (is_forsaken(index)) return visit_children(index, [this](std::uint32_t child) { return visit(child); });
+    if (here == TileState::kMissing) ++cut_.late;
+    ask(bounds_->nodes()[index]);
     return visit_children(index, [this](std::uint32_t child) { return stand_in_finer(child); });
   }
 
   /// Covers a node by itself or by finer tiles, asking for nothing.
   bool stand_in_finer(std::uint32_t index) {
-    const Seen seen = look(bounds_.nodes()[index]);
+    const Seen seen = look(bounds_->nodes()[index]);
     if (seen.outside) return true;
-    if (!resident_(index)) return visit_children(index, [this](std::uint32_t child) { return stand_in_finer(child); });
+    if (state(index) != TileState::kResident)
+      return visit_children(index, [this](std::uint32_t child) { return stand_in_finer(child); });
     draw(index, seen, true);
     return true;
   }
 
   /// Visits the children front to back; when one cannot be drawn, takes back what the others drew. Goes on
-  /// all the same, for their requests. False for a node without children.
+  /// all the same, for their requests. False for a node without children. A forsaken node counts as covered by what
+  /// there is.
   template <typename Visit>
   bool visit_children(std::uint32_t index, const Visit& visit_child) {
-    const cache::TileNode& node = bounds_.nodes()[index];
-    if (node.child_mask == 0) return false;
+    const cache::TileNode& node = bounds_->nodes()[index];
+    if (node.child_mask == 0) return is_forsaken(index);
     const std::size_t drawn = cut_.draws.size();
     const std::uint32_t leaf_limited = cut_.leaf_limited;
     bool covered = true;
@@ -104,35 +113,61 @@ class Walk {
       const auto before = static_cast<std::uint32_t>(std::popcount(mask & ((1U << quadrant) - 1)));
       covered = visit_child(node.first_child + before) && covered;
     }
-    if (covered) return true;
+    if (covered || is_forsaken(index)) return true;
     cut_.draws.resize(drawn);
     cut_.leaf_limited = leaf_limited;
     return false;
   }
 
   unsigned nearest_quadrant(const codec::TileId& id) const {
-    const codec::TreeLayout& layout = bounds_.layout();
+    const codec::TreeLayout& layout = bounds_->layout();
     const auto half = static_cast<double>(layout.cells_across(id.level + 1));
     const auto [column, row] = layout.grid(camera_.eye.x, camera_.eye.y);
     return (column >= (2.0 * id.x + 1) * half ? 1U : 0U) | (row > (2.0 * id.y + 1) * half ? 2U : 0U);
   }
 
   void ask(const cache::TileNode& node) {
-    const cache::Box box = bounds_.box(node);
+    const cache::Box box = bounds_->box(node);
     const glm::dvec3 middle(box.min[0] + box.max[0], box.min[1] + box.max[1], box.min[2] + box.max[2]);
     const glm::dvec3 way = 0.5 * middle - camera_.eye;
-    asked_.push_back({node.id, -glm::dot(way, forward_) / std::max(glm::length(way), 1e-9)});
+    asked_.push_back({{node.id, tree_}, -glm::dot(way, forward_) / std::max(glm::length(way), 1e-9)});
   }
 
   void order_requests() {
     std::ranges::stable_sort(asked_, [](const Asked& a, const Asked& b) {
-      return std::pair(a.id.level, a.off_middle) < std::pair(b.id.level, b.off_middle);
+      return std::pair(a.tile.id.level, a.off_middle) < std::pair(b.tile.id.level, b.off_middle);
     });
-    for (const Asked& a : asked_) cut_.requests.push_back(a.id);
+    for (const Asked& a : asked_) cut_.requests.push_back(a.tile);
+  }
+
+  TileState state(std::uint32_t index) const { return states_(tree_, index); }
+
+  /// Whether the tile is lost and so is every ancestor that could stand in for it.
+  bool is_forsaken(std::uint32_t index) const {
+    codec::TileId id = bounds_->nodes()[index].id;
+    while (state(index) == TileState::kLost) {
+      if (id.level == 0) return true;
+      id = id.parent();
+      index = static_cast<std::uint32_t>(bounds_->find(id));
+    }
+    return false;
+  }
+
+  /// The trees that have tiles, by the distance of their boxes.
+  std::vector<std::uint32_t> nearest_first() const {
+    std::vector<std::pair<double, std::uint32_t>> order;
+    for (std::uint32_t i = 0; i < trees_.size(); ++i) {
+      if (trees_[i]->nodes().empty()) continue;
+      order.emplace_back(frustum_.nearest_depth_m(trees_[i]->box(trees_[i]->nodes().front())), i);
+    }
+    std::ranges::sort(order);
+    std::vector<std::uint32_t> out;
+    for (const auto& [depth_m, i] : order) out.push_back(i);
+    return out;
   }
 
   void draw(std::uint32_t index, const Seen& seen, bool stands_in) {
-    cut_.draws.push_back({index, seen.error_px, seen.nearest_m, seen.farthest_m, stands_in});
+    cut_.draws.push_back({tree_, index, seen.error_px, seen.nearest_m, seen.farthest_m, stands_in});
   }
 
   void summarise() {
@@ -145,12 +180,14 @@ class Walk {
     }
   }
 
-  const cache::TileBounds& bounds_;
+  Trees trees_;
+  std::uint32_t tree_ = 0;  ///< Where the walk is,
+  const cache::TileBounds* bounds_ = nullptr;
   const Camera& camera_;
   const glm::dvec3 forward_ = camera_.axes().forward;
   const Frustum frustum_;
   const CutOptions& options_;
-  const IsResident& resident_;
+  const TileStates& states_;
   LodCut cut_;
   std::vector<Asked> asked_;
 };
@@ -163,9 +200,16 @@ double projected_error_px(double lod_error_m, double nearest_depth_m, const Came
   return lod_error_m * camera.focal_px() * camera.vertical_gain() / nearest_depth_m;
 }
 
+LodCut lod_cut(Trees trees, const Camera& camera, const CutOptions& options, const TileStates& states) {
+  return Walk(trees, camera, options, states).run();
+}
+
 LodCut lod_cut(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options,
                const IsResident& resident) {
-  return Walk(bounds, camera, options, resident).run();
+  const std::array<const cache::TileBounds*, 1> one{&bounds};
+  return lod_cut(one, camera, options, [&resident](std::uint32_t, std::uint32_t node) {
+    return resident(node) ? TileState::kResident : TileState::kMissing;
+  });
 }
 
 }  // namespace tintree::render

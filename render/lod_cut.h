@@ -2,10 +2,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "cache/tile_bounds.h"
-#include "codec/tile_id.h"
+#include "cache/tile_ref.h"
 #include "render/camera.h"
 
 namespace tintree::render {
@@ -17,7 +18,8 @@ struct CutOptions {
 
 /// One tile of a cut.
 struct DrawTile {
-  std::uint32_t node = 0;  ///< Index into TileBounds::nodes().
+  std::uint32_t tree = 0;  ///< Which of the scene's trees,
+  std::uint32_t node = 0;  ///< and which of its TileBounds::nodes().
   double error_px = 0;     ///< Its projected error; infinite when the eye is inside its box.
   double nearest_m = 0;    ///< Bounds of the depth of its visible part.
   double farthest_m = 0;
@@ -26,20 +28,30 @@ struct DrawTile {
 
 /// Which tiles to draw for a view, and which to fetch.
 struct LodCut {
-  std::vector<DrawTile> draws;  ///< Front to back; no two overlap.
+  std::vector<DrawTile> draws;  ///< Tree by tree, the nearest first; in each front to back, no two overlapping.
   /// Missing tiles, the most important on the screen first: the coarsest, then those nearest to the view's middle.
-  std::vector<codec::TileId> requests;
+  std::vector<cache::TileRef> requests;
   double max_error_px = 0;         ///< The largest error_px drawn.
   bool complete = true;            ///< Every tile that the view wants is resident and drawn.
   std::uint32_t leaf_limited = 0;  ///< Leaves drawn above pixel_error: the data end there.
   std::uint32_t wanted = 0;        ///< Tiles that the view would draw with everything resident.
-  std::uint32_t late = 0;          ///< Those of them that are not resident.
+  std::uint32_t late = 0;          ///< Those of them that are not resident yet.
   std::uint32_t culled = 0;        ///< Nodes at which the walk ended because the frustum does not reach them.
   double nearest_m = 0;            ///< Bounds of the depth of what is drawn; both 0 when nothing is.
   double farthest_m = 0;
 };
 
-/// Tells whether a node's tile can be drawn at once.
+/// Bounding-box hierarchies in one world frame.
+using Trees = std::span<const cache::TileBounds* const>;
+
+/// What is known of a node's tile.
+enum class TileState {
+  kMissing,
+  kResident,  ///< It can be drawn at once.
+  kLost,      ///< It will never come: its bytes are damaged.
+};
+using TileStates = std::function<TileState(std::uint32_t tree, std::uint32_t node)>;
+/// The same of one tree of which nothing is lost: whether the tile can be drawn at once.
 using IsResident = std::function<bool(std::uint32_t node)>;
 
 /// The screen-space error of a tile, pixels: an upper bound of how far its vertical error can move any
@@ -53,7 +65,9 @@ double projected_error_px(double lod_error_m, double nearest_depth_m, const Came
 /// children, is taken; any other is refined. Where a wanted tile is missing, its finest drawable ancestor
 /// stands in for all that it covers, or finer resident tiles that cover it do, so that the ground never has
 /// a hole once the root is resident. With everything resident the cut depends on the camera alone.
+/// Only where a tile is lost with all that could stand in for it does the ground have a hole for good.
 /// Pure: keeps nothing, changes nothing. Cost: about 0.1 us a node visited.
+LodCut lod_cut(Trees trees, const Camera& camera, const CutOptions& options, const TileStates& states);
 LodCut lod_cut(const cache::TileBounds& bounds, const Camera& camera, const CutOptions& options,
                const IsResident& resident);
 

@@ -57,8 +57,8 @@ double meet(const Ray& ray, const glm::dvec3& a, const glm::dvec3& b, const glm:
 
 class Walk {
  public:
-  Walk(const cache::TileBounds& bounds, const FindTile& find, const Ray& ray)
-      : bounds_(bounds), find_(find), ray_(ray) {}
+  Walk(Trees trees, std::uint32_t tree, const FindTile& find, const Ray& ray)
+      : bounds_(*trees[tree]), tree_(tree), find_(find), ray_(ray) {}
 
   std::optional<GroundPoint> run() {
     if (bounds_.nodes().empty() || !visit(0)) return std::nullopt;
@@ -75,11 +75,11 @@ class Walk {
   bool visit(std::uint32_t index) {
     if (visit_children(index)) return true;
     const cache::TileNode& node = bounds_.nodes()[index];
-    const auto tile = find_(node.id);
+    const auto tile = find_({node.id, tree_});
     if (tile == nullptr) return false;
     const auto t = first_hit(*tile, ray_);
     hit_.reset();
-    if (t) hit_ = GroundPoint{ray_.origin + *t * ray_.direction, *t, index};
+    if (t) hit_ = GroundPoint{ray_.origin + *t * ray_.direction, *t, tree_, index};
     return true;
   }
 
@@ -103,6 +103,7 @@ class Walk {
   }
 
   const cache::TileBounds& bounds_;
+  const std::uint32_t tree_;
   const FindTile& find_;
   const Ray& ray_;
   std::optional<GroundPoint> hit_;
@@ -116,8 +117,8 @@ std::optional<double> first_hit(const cache::DrawableTile& tile, const Ray& ray)
   const glm::dmat4 to_grid = glm::inverse(glm::make_mat4(matrix.data()));
   const Ray local{glm::dvec3(to_grid[3]), glm::dvec3(to_grid * glm::dvec4(ray.direction, 0))};
   const auto place = [&](std::size_t i) {
-    const cache::DrawVertex& v = tile.vertices[tile.indices[i]];
-    return glm::dvec3(v.x, v.y, v.z);
+    const cache::DrawVertex& v = tile.vertices[tile.index(i)];
+    return glm::dvec3(v.x(), v.y(), v.z());
   };
   double first = kNever;
   for (std::size_t i = 0; i < 3 * std::size_t{tile.surface_triangles}; i += 3)
@@ -126,15 +127,21 @@ std::optional<double> first_hit(const cache::DrawableTile& tile, const Ray& ray)
   return first;
 }
 
-std::optional<GroundPoint> pick(const cache::TileBounds& bounds, const FindTile& find, const Ray& ray) {
-  return Walk(bounds, find, ray).run();
+std::optional<GroundPoint> pick(Trees trees, const FindTile& find, const Ray& ray) {
+  std::optional<GroundPoint> nearest;
+  for (std::uint32_t tree = 0; tree < trees.size(); ++tree) {
+    const auto hit = Walk(trees, tree, find, ray).run();
+    if (hit && (!nearest || hit->t < nearest->t)) nearest = hit;
+  }
+  return nearest;
 }
 
-std::optional<GroundPoint> ground_at(const cache::TileBounds& bounds, const FindTile& find, double x_m, double y_m) {
-  if (bounds.nodes().empty()) return std::nullopt;
-  const cache::Box box = bounds.box(bounds.nodes().front());
-  const double above = box.max[2] + 1 + (box.max[2] - box.min[2]);
-  return pick(bounds, find, {{x_m, y_m, above}, {0, 0, -1}});
+std::optional<GroundPoint> ground_at(Trees trees, const FindTile& find, double x_m, double y_m) {
+  double above = 0;
+  for (const cache::TileBounds* tree : trees) {
+    if (!tree->nodes().empty()) above = std::max(above, tree->box(tree->nodes().front()).max[2] + 1);
+  }
+  return pick(trees, find, {{x_m, y_m, above}, {0, 0, -1}});
 }
 
 }  // namespace tintree::render

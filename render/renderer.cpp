@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -24,6 +25,21 @@ void set(const GlFunctions& gl, GLint location, const glm::dmat4& m) {
 }
 
 void set(const GlFunctions& gl, GLint location, double v) { gl.Uniform1f(location, static_cast<float>(v)); }
+
+/// Round all trees.
+cache::Box whole_box(Trees trees) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  cache::Box whole{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+  for (const cache::TileBounds* tree : trees) {
+    if (tree->nodes().empty()) continue;
+    const cache::Box box = tree->box(tree->nodes().front());
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      whole.min[axis] = std::min(whole.min[axis], box.min[axis]);
+      whole.max[axis] = std::max(whole.max[axis], box.max[axis]);
+    }
+  }
+  return whole;
+}
 
 double diagonal_m(const cache::Box& box) {
   return std::hypot(box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]);
@@ -81,10 +97,9 @@ void Renderer::draw_background(const Camera& camera, const Style& style) const {
   gl_->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void Renderer::set_terrain_uniforms(const Camera& camera, const cache::TileBounds& bounds, const LodCut& cut,
-                                    const Style& style) const {
+void Renderer::set_terrain_uniforms(const Camera& camera, Trees trees, const LodCut& cut, const Style& style) const {
   const bool zero_to_one = gl_->ClipControl != nullptr;
-  const cache::Box box = bounds.box(bounds.nodes().front());
+  const cache::Box box = whole_box(trees);
   const double level = std::cos(style.sun_elevation_rad);
   terrain_.use();
   set(*gl_, terrain_.uniform("eye_to_clip"), camera.projection(near_m(cut), zero_to_one) * camera.view_rotation());
@@ -98,8 +113,8 @@ void Renderer::set_terrain_uniforms(const Camera& camera, const cache::TileBound
                  std::sin(style.sun_elevation_rad)));
 }
 
-DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, const cache::TileBounds& bounds,
-                         const LodCut& cut, GpuTilePool& pool, const Style& style) const {
+DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, Trees trees, const LodCut& cut,
+                         GpuTilePool& pool, const Style& style) const {
   target.bind();
   if (gl_->ClipControl != nullptr) gl_->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
@@ -109,19 +124,21 @@ DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, co
   gl_->Enable(GL_DEPTH_TEST);
   gl_->DepthFunc(GL_GREATER);
   if (style.wireframe) gl_->PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-  set_terrain_uniforms(camera, bounds, cut, style);
+  set_terrain_uniforms(camera, trees, cut, style);
   const GLint address_to_eye = terrain_.uniform("address_to_eye");
   const GLint tile_tint_at = terrain_.uniform("tile_tint");
+  GLuint bound = 0;
   for (const DrawTile& d : cut.draws) {
-    const GpuTile* tile = pool.use(bounds.nodes()[d.node].id);
+    const GpuTile* tile = pool.use({trees[d.tree]->nodes()[d.node].id, d.tree});
     if (tile == nullptr) continue;
     const std::array<double, 16> matrix = tile->frame.matrix({camera.eye.x, camera.eye.y, camera.eye.z});
     set(*gl_, address_to_eye, glm::make_mat4(matrix.data()));
-    const glm::vec4 tint = tile_tint(style.tint, bounds.nodes()[d.node], d, style.allowed_px);
+    const glm::vec4 tint = tile_tint(style.tint, trees[d.tree]->nodes()[d.node], d, style.allowed_px);
     gl_->Uniform4f(tile_tint_at, tint.r, tint.g, tint.b, tint.a);
     const auto surface = static_cast<GLsizei>(3 * tile->surface_triangles);
-    gl_->BindVertexArray(tile->vertex_array);
-    gl_->DrawElements(GL_TRIANGLES, style.skirts ? tile->index_count : surface, GL_UNSIGNED_INT, nullptr);
+    if (std::exchange(bound, tile->vertex_array) != tile->vertex_array) gl_->BindVertexArray(tile->vertex_array);
+    gl_->DrawElementsBaseVertex(GL_TRIANGLES, style.skirts ? tile->index_count : surface, tile->index_type,
+                                reinterpret_cast<const void*>(tile->index_offset), tile->base_vertex);
     ++stats.tiles;
     ++stats.draw_calls;
     stats.triangles += tile->surface_triangles;

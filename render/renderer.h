@@ -49,8 +49,8 @@ class Renderer {
   ~Renderer();
 
   /// Fills `target`, whose size is the camera's. Tiles of the cut that the pool lacks are left out.
-  DrawStats draw(const OffscreenTarget& target, const Camera& camera, const cache::TileBounds& bounds,
-                 const LodCut& cut, GpuTilePool& pool, const Style& style) const;
+  DrawStats draw(const OffscreenTarget& target, const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool,
+                 const Style& style) const;
 
   /// The depth that draw() gives the nearest plane, metres: depth = near_m / OffscreenTarget::read_depth().
   double near_m(const LodCut& cut) const;
@@ -62,8 +62,7 @@ class Renderer {
  private:
   Renderer(const GlFunctions& gl, ShaderProgram terrain, ShaderProgram sky);
   void draw_background(const Camera& camera, const Style& style) const;
-  void set_terrain_uniforms(const Camera& camera, const cache::TileBounds& bounds, const LodCut& cut,
-                            const Style& style) const;
+  void set_terrain_uniforms(const Camera& camera, Trees trees, const LodCut& cut, const Style& style) const;
 
   const GlFunctions* gl_;
   ShaderProgram terrain_;

@@ -1,45 +1,77 @@
 #include "render/terrain_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
-#include <vector>
 
 namespace tintree::render {
+namespace {
+
+/// How far ahead of the camera tiles are fetched, and the most at once.
+constexpr double kAhead_s = 1;
+constexpr std::size_t kMostAhead = 2048;
+
+std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::span<const PlacedTree> places) {
+  std::vector<cache::TileCache::Source> out;
+  for (std::size_t i = 0; i < stores.size(); ++i) out.push_back({stores[i], places[i].layout, places[i].joined_sides});
+  return out;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& gl, Stores stores,
+                                                             const SceneOptions& options) {
+  std::vector<TreeToPlace> trees;
+  for (const cache::TileStore* store : stores) trees.push_back({&store->manifest(), store->path()});
+  const auto places = place_trees(trees);
+  if (!places) return tl::unexpected(places.error());
+  auto renderer = Renderer::create(gl);
+  if (!renderer) return tl::unexpected(renderer.error());
+  return std::unique_ptr<TerrainScene>(new TerrainScene(gl, stores, *places, options, std::move(*renderer)));
+}
 
 Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& gl, const cache::TileStore& store,
                                                              const SceneOptions& options) {
-  auto renderer = Renderer::create(gl);
-  if (!renderer) return tl::unexpected(renderer.error());
-  return std::unique_ptr<TerrainScene>(new TerrainScene(gl, store, options, std::move(*renderer)));
+  const std::array<const cache::TileStore*, 1> one{&store};
+  return create(gl, one, options);
 }
 
-TerrainScene::TerrainScene(const GlFunctions& gl, const cache::TileStore& store, const SceneOptions& options,
-                           Renderer renderer)
-    : store_(&store),
-      options_(options),
-      cache_(store, {options.cache_bytes}),
+TerrainScene::TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places,
+                           const SceneOptions& options, Renderer renderer)
+    : options_(options),
+      cache_(std::make_unique<cache::TileCache>(sources(stores, places),
+                                                cache::TileCache::Options{.bytes = options.cache_bytes})),
       pool_(gl, options.gpu_bytes),
-      renderer_(std::move(renderer)) {}
-
-LodCut TerrainScene::choose(const Camera& camera) {
-  // Asking marks as used: what the walk has looked at must not be freed before the rest has come.
-  return lod_cut(bounds(), camera, options_.cut,
-                 [this](std::uint32_t node) { return pool_.use(bounds().nodes()[node].id) != nullptr; });
+      renderer_(std::move(renderer)) {
+  placed_.reserve(stores.size());
+  for (std::size_t i = 0; i < stores.size(); ++i) {
+    if (i > 0) placed_.push_back(stores[i]->bounds().placed(places[i].layout));
+    trees_.push_back(i > 0 ? &placed_.back() : &stores[i]->bounds());
+  }
 }
 
-std::size_t TerrainScene::take_over(std::vector<codec::TileId>& wanted) {
-  std::vector<codec::TileId> missing;
+TileState TerrainScene::state(std::uint32_t tree, std::uint32_t node) {
+  // Asking marks as used: what the walk has looked at must not make room before the rest has come.
+  const cache::TileRef tile{trees_[tree]->nodes()[node].id, tree};
+  if (pool_.use(tile) != nullptr) return TileState::kResident;
+  return cache_->lost(tile) ? TileState::kLost : TileState::kMissing;
+}
+
+std::size_t TerrainScene::take_over(std::vector<cache::TileRef>& wanted) {
+  std::vector<cache::TileRef> missing;
   std::size_t moved = 0;
   std::size_t moved_bytes = 0;
-  for (const codec::TileId& id : wanted) {
-    const auto tile = moved_bytes < options_.upload_bytes ? cache_.get(id) : nullptr;
+  for (const cache::TileRef& ref : wanted) {
+    const auto tile = moved_bytes < options_.upload_bytes && !pool_full_ ? cache_->get(ref) : nullptr;
     if (tile == nullptr) {
-      missing.push_back(id);
-      if (awaited_.insert(id.key()).second) ++stats_.cache_misses;
+      missing.push_back(ref);
       continue;
     }
-    if (awaited_.erase(id.key()) == 0) ++stats_.cache_hits;
-    pool_.upload(*tile);
+    if (!pool_.upload(ref, *tile)) {
+      pool_full_ = true;
+      continue;
+    }
+    if (awaited_.erase(ref) == 0) ++stats_.cache_hits;
     ++moved;
     moved_bytes += tile->bytes();
   }
@@ -49,40 +81,81 @@ std::size_t TerrainScene::take_over(std::vector<codec::TileId>& wanted) {
   return moved;
 }
 
-LodCut TerrainScene::update(const Camera& camera) {
+void TerrainScene::count_misses(std::span<const cache::TileRef> missing) {
+  std::unordered_set<cache::TileRef, cache::TileRefHash> awaited;
+  for (const cache::TileRef& ref : missing) {
+    const bool known = awaited_.contains(ref);
+    if (!known && cache_->get(ref) != nullptr) continue;  // It waits for its upload.
+    if (!known) ++stats_.cache_misses;
+    awaited.insert(ref);
+  }
+  awaited_ = std::move(awaited);
+}
+
+std::vector<cache::TileRef> TerrainScene::tiles_ahead(const Camera& camera, double seconds) {
+  trail_.add(seconds, camera);
+  return prefetch(
+      trees_, trail_.ahead(kAhead_s), options_.cut,
+      [this](std::uint32_t tree, std::uint32_t node) {
+        const cache::TileRef tile{trees_[tree]->nodes()[node].id, tree};
+        return pool_.contains(tile) ? TileState::kResident : TileState::kMissing;
+      },
+      kMostAhead);
+}
+
+LodCut TerrainScene::advance(const Camera& camera, std::optional<double> seconds) {
+  pool_.end_frame();
+  pool_full_ = false;
+  const auto choose = [&] {
+    return lod_cut(trees_, camera, options_.cut,
+                   [this](std::uint32_t tree, std::uint32_t node) { return state(tree, node); });
+  };
+  LodCut cut = choose();
+  if (take_over(cut.requests) > 0) cut = choose();
+  count_misses(cut.requests);
+  cache_->request(cut.requests, seconds ? tiles_ahead(camera, *seconds) : std::vector<cache::TileRef>{});
+  return cut;
+}
+
+LodCut TerrainScene::update(const Camera& camera, std::optional<double> seconds) {
   stats_ = {};
-  LodCut cut = advance(camera);
-  const cache::TileCache::Stats cache = cache_.stats();
+  LodCut cut = advance(camera, seconds);
+  sum_up();
+  return cut;
+}
+
+void TerrainScene::sum_up() {
+  const cache::TileCache::Stats cache = cache_->stats();
   stats_.bytes_read = cache.bytes_read - std::exchange(bytes_read_before_, cache.bytes_read);
   stats_.cache_bytes = cache.bytes;
   stats_.gpu_bytes = pool_.bytes();
-  return cut;
+  stats_.gpu_memory_full = pool_full_;
 }
 
-LodCut TerrainScene::advance(const Camera& camera) {
-  pool_.end_frame();
-  LodCut cut = choose(camera);
-  if (take_over(cut.requests) > 0) cut = choose(camera);
-  cache_.request(cut.requests);
-  return cut;
+bool TerrainScene::busy(const LodCut& cut) {
+  if (cut.complete) return false;
+  if (!cache_->idle()) return true;
+  return !pool_full_ &&
+         std::ranges::any_of(cut.requests, [this](const cache::TileRef& t) { return cache_->get(t) != nullptr; });
 }
 
 Expected<LodCut> TerrainScene::settle(const Camera& camera) {
-  while (true) {
-    LodCut cut = update(camera);
-    if (cut.complete && cut.requests.empty()) return cut;
-    cache_.wait_idle();
-    const std::vector<Error> errors = cache_.take_errors();
-    if (!errors.empty()) return tl::unexpected(errors.front());
-    if (std::ranges::none_of(cut.requests, [this](const codec::TileId& id) { return cache_.get(id) != nullptr; })) {
-      return fail(ErrorCode::kBadData, "tile " + cut.requests.front().text() + " could not be loaded", store_->path());
-    }
+  stats_ = {};
+  LodCut cut = advance(camera, std::nullopt);
+  while (busy(cut)) {
+    cache_->wait_idle();
+    cut = advance(camera, std::nullopt);
   }
+  sum_up();
+  if (!cut.draws.empty() || cut.wanted == 0) return cut;
+  const std::vector<Error> errors = take_errors();
+  if (!errors.empty()) return tl::unexpected(errors.front());
+  return fail(ErrorCode::kIo, "not even the coarsest tile fits into the graphics memory for tiles; allow more");
 }
 
 DrawStats TerrainScene::draw(const OffscreenTarget& target, const Camera& camera, const LodCut& cut,
                              const Style& style) {
-  return renderer_.draw(target, camera, bounds(), cut, pool_, style);
+  return renderer_.draw(target, camera, trees_, cut, pool_, style);
 }
 
 }  // namespace tintree::render

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <span>
 #include <unordered_set>
 #include <vector>
 
@@ -14,14 +16,17 @@
 #include "render/gpu_tile_pool.h"
 #include "render/lod_cut.h"
 #include "render/offscreen_target.h"
+#include "render/prefetch.h"
 #include "render/renderer.h"
+#include "render/tree_placement.h"
 
 namespace tintree::render {
 
 struct SceneOptions {
   CutOptions cut;
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< Main memory for tiles made ready.
-  std::size_t gpu_bytes = std::size_t{512} << 20;    ///< Graphics memory for tiles.
+  /// Graphics memory for tiles, never exceeded: a view that needs more is drawn coarser where it does not fit.
+  std::size_t gpu_bytes = std::size_t{512} << 20;
   /// The most that update() uploads at once, so that a frame stays short; it uploads one tile at least.
   std::size_t upload_bytes = std::numeric_limits<std::size_t>::max();
 };
@@ -35,49 +40,70 @@ struct FrameStats {
   std::uint64_t bytes_read = 0;  ///< Payload bytes read by the caching thread since the frame before.
   std::size_t cache_bytes = 0;   ///< Main memory held by tiles made ready.
   std::size_t gpu_bytes = 0;     ///< Graphics memory held by tiles.
+  bool gpu_memory_full = false;  ///< The view needs more than that may be: parts of it are drawn coarser.
 };
 
-/// One tree as a scene: for each camera it chooses the cut, takes over what the caching thread has made
-/// ready, asks it for what is missing, and draws. Lives and dies while its context is current; to be used by
-/// that context's thread only.
+/// One or several trees as a scene: for each camera it chooses the cut, takes over what the caching thread has
+/// made ready, asks it for what is missing, and draws. Never reads or decodes itself. Lives and dies while its context
+/// is current; to be used by that context's thread only.
 class TerrainScene {
  public:
-  /// `gl` and `store` must outlive it. Fails with kIo when the driver refuses a shader.
+  using Stores = std::span<const cache::TileStore* const>;
+
+  /// `gl` and the stores must outlive it. The first tree's world frame is the scene's (place_trees). Fails with
+  /// kIo when the driver refuses a shader, with kBadData when the trees do not go together.
+  static Expected<std::unique_ptr<TerrainScene>> create(const GlFunctions& gl, Stores stores,
+                                                        const SceneOptions& options);
   static Expected<std::unique_ptr<TerrainScene>> create(const GlFunctions& gl, const cache::TileStore& store,
                                                         const SceneOptions& options);
 
-  /// Chooses what to draw for this camera now. Never waits.
-  LodCut update(const Camera& camera);
-  /// The same once all tiles of the cut are there. Fails with a tile's error when one cannot be loaded.
+  /// Chooses what to draw for this camera now. Never waits. With `seconds`, the time of this frame by any clock, what
+  /// the camera's way so far leads to is loaded ahead.
+  LodCut update(const Camera& camera, std::optional<double> seconds = std::nullopt);
+  /// The same once all tiles of the cut are there that can be: lost tiles are stood in for (take_errors() names them),
+  /// and so is what exceeds the graphics memory. Fails with a tile's error when nothing can be drawn for one.
   Expected<LodCut> settle(const Camera& camera);
   DrawStats draw(const OffscreenTarget& target, const Camera& camera, const LodCut& cut, const Style& style);
 
   const FrameStats& frame_stats() const { return stats_; }
   /// What has failed since the last call: each tile once.
-  std::vector<Error> take_errors() { return cache_.take_errors(); }
+  std::vector<Error> take_errors() { return cache_->take_errors(); }
+  /// Whether the view could become more complete without moving: tiles are on their way or wait for their upload.
+  bool busy(const LodCut& cut);
 
-  const cache::TileBounds& bounds() const { return store_->bounds(); }
+  /// The trees' bounding-box hierarchies in the scene's world frame.
+  Trees trees() const { return trees_; }
+  /// The first tree's.
+  const cache::TileBounds& bounds() const { return *trees_.front(); }
   const Renderer& renderer() const { return renderer_; }
-  cache::TileCache& cache() { return cache_; }
+  cache::TileCache& cache() { return *cache_; }
   const GpuTilePool& pool() const { return pool_; }
   CutOptions& cut_options() { return options_.cut; }
 
  private:
-  TerrainScene(const GlFunctions& gl, const cache::TileStore& store, const SceneOptions& options, Renderer renderer);
-  LodCut choose(const Camera& camera);
-  LodCut advance(const Camera& camera);
+  TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places, const SceneOptions& options,
+               Renderer renderer);
+  LodCut advance(const Camera& camera, std::optional<double> seconds);
+  TileState state(std::uint32_t tree, std::uint32_t node);
   /// Moves tiles that have come to the graphics card; what is still missing is left in `wanted`. Returns
   /// how many it moved.
-  std::size_t take_over(std::vector<codec::TileId>& wanted);
+  std::size_t take_over(std::vector<cache::TileRef>& wanted);
+  void count_misses(std::span<const cache::TileRef> missing);
+  /// What to load ahead, as seen from where the camera is going.
+  std::vector<cache::TileRef> tiles_ahead(const Camera& camera, double seconds);
+  void sum_up();
 
-  const cache::TileStore* store_;
   SceneOptions options_;
-  cache::TileCache cache_;
+  std::vector<cache::TileBounds> placed_;  ///< Of all trees but the first, which lies where its store says.
+  std::vector<const cache::TileBounds*> trees_;
+  std::unique_ptr<cache::TileCache> cache_;
   GpuTilePool pool_;
   Renderer renderer_;
+  CameraTrail trail_;
   FrameStats stats_;
   std::uint64_t bytes_read_before_ = 0;
-  std::unordered_set<std::int64_t> awaited_;  ///< Keys of the tiles that were missing and have been counted.
+  std::unordered_set<cache::TileRef, cache::TileRefHash> awaited_;  ///< Missing tiles that have been counted.
+  bool pool_full_ = false;                                          ///< In this frame.
 };
 
 }  // namespace tintree::render

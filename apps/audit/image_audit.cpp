@@ -50,6 +50,7 @@ class Painter {
   Expected<DrawnView> draw(const render::Camera& camera, app::RgbImage& picture, render::DrawStats& stats) {
     auto cut = scene_->settle(camera);
     if (!cut) return tl::unexpected(cut.error());
+    if (const auto errors = scene_->take_errors(); !errors.empty()) return tl::unexpected(errors.front());
     render::Style style;
     style.skirts = false;
     stats = scene_->draw(*target_, camera, *cut, style);

@@ -4,13 +4,13 @@
 
 namespace tintree::view {
 
-std::vector<render::WorldLine> box_lines(const cache::TileBounds& bounds, const render::LodCut& cut) {
+std::vector<render::WorldLine> box_lines(render::Trees trees, const render::LodCut& cut) {
   constexpr glm::vec4 kBox{0.10F, 0.25F, 0.75F, 0.8F};
   constexpr glm::vec4 kStandIn{0.95F, 0.45F, 0.10F, 0.9F};
   std::vector<render::WorldLine> lines;
   lines.reserve(12 * cut.draws.size());
   for (const render::DrawTile& d : cut.draws)
-    render::add_box(lines, bounds.box(bounds.nodes()[d.node]), d.stands_in ? kStandIn : kBox);
+    render::add_box(lines, trees[d.tree]->box(trees[d.tree]->nodes()[d.node]), d.stands_in ? kStandIn : kBox);
   return lines;
 }
 

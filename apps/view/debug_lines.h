@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "cache/tile_bounds.h"
 #include "render/camera.h"
 #include "render/line_drawer.h"
 #include "render/lod_cut.h"
@@ -10,7 +9,7 @@
 namespace tintree::view {
 
 /// The boxes of the tiles of a cut: orange where a coarser tile stands in, else blue.
-std::vector<render::WorldLine> box_lines(const cache::TileBounds& bounds, const render::LodCut& cut);
+std::vector<render::WorldLine> box_lines(render::Trees trees, const render::LodCut& cut);
 
 /// The camera that a frozen cut was chosen for, as a yellow pyramid down to its target.
 std::vector<render::WorldLine> view_lines(const render::Camera& frozen);

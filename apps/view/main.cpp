@@ -1,4 +1,6 @@
 #include <chrono>
+#include <utility>
+#include <vector>
 
 #include "apps/common/program.h"
 #include "apps/view/playback.h"
@@ -15,15 +17,21 @@ Expected<void> run(const CommandLine& line) {
   const auto begun = std::chrono::steady_clock::now();
   const auto options = read_options(line);
   if (!options) return tl::unexpected(options.error());
-  const auto store = cache::TileStore::open(options->tree);
-  if (!store) return tl::unexpected(store.error());
-  if (!options->headless) return run_window(*store, *options, begun);
+  std::vector<cache::TileStore> opened;
+  for (const std::string& tree : options->trees) {
+    auto store = cache::TileStore::open(tree);
+    if (!store) return tl::unexpected(store.error());
+    opened.push_back(std::move(*store));
+  }
+  std::vector<const cache::TileStore*> stores;
+  for (const cache::TileStore& store : opened) stores.push_back(&store);
+  if (!options->headless) return run_window(stores, *options, begun);
   const auto context = render::HeadlessContext::create(*options->headless);
   if (!context) return tl::unexpected(context.error());
   const auto gl = render::load_gl((*context)->get_function());
   if (!gl) return tl::unexpected(gl.error());
-  if (!options->flight.empty()) return play_flight(*gl, *store, *options);
-  return draw_still(*gl, *store, *options, begun);
+  if (!options->flight.empty()) return play_flight(*gl, stores, *options);
+  return draw_still(*gl, stores, *options, begun);
 }
 
 }  // namespace
@@ -33,8 +41,9 @@ int main(int argc, char** argv) {
   using namespace tintree;
   view::CommandLine line;
   CLI::App app{"Draws a tile tree: the coarsest tiles whose error stays under a pixel.", "tintree-view"};
-  app.add_option("TREE", line.tree, "The .tintree file")->required();
+  app.add_option("TREE", line.trees, "The .tintree files: one scene, each where its georeference says")->required();
   app.add_option("--pixel-error", line.pixel_error, "Largest error on the screen, pixels")->capture_default_str();
+  app.add_option("--gpu-memory", line.gpu_memory_mib, "Graphics memory for tiles, MiB")->capture_default_str();
   app.add_option("--size", line.size, "WIDTHxHEIGHT of the picture or window, pixels (1280x720)");
   app.add_option("--headless", line.headless, "Draw without a window: egl (graphics card) or osmesa (software)");
   app.add_option("--screenshot", line.screenshot, "Write a PNG once all its tiles are there, and end");
@@ -42,7 +51,6 @@ int main(int argc, char** argv) {
   app.add_option("--target", line.target, "X,Y,Z of the picture's middle");
   app.add_option("--show", line.show, "levels or error (by colour), triangles, boxes; may be given several times");
   app.add_option("--sun", line.sun, "AZIMUTH,ELEVATION of the sun, degrees (315,34)");
-  app.add_option("--gpu-memory", line.gpu_memory_mib, "Graphics memory for tiles, MiB")->capture_default_str();
   app.add_option("--flight", line.flight, "Fly through the keyframes of this JSON file");
   app.add_option("--frames", line.frames, "Write every frame of the flight into this folder as frame-NNNNNN.png");
   app.add_option("--fps", line.fps, "Frames a second of the flight")->capture_default_str();

@@ -16,6 +16,7 @@
 #include "apps/common/json_file.h"
 #include "apps/common/program.h"
 #include "apps/view/picture_file.h"
+#include "apps/view/shortfalls.h"
 #include "render/flight.h"
 #include "render/terrain_scene.h"
 
@@ -65,6 +66,8 @@ class Playback {
   }
 
   const std::vector<Frame>& frames() const { return frames_; }
+  /// Fails with the first thing that kept the pictures from being whole.
+  Expected<void> outcome() const { return shortfalls_.outcome(); }
 
  private:
   render::Camera camera_at(double seconds) const { return flight_.at(seconds, options_.width_px, options_.height_px); }
@@ -75,17 +78,17 @@ class Playback {
     frame.flight_seconds = seconds;
     const Clock::time_point begun = Clock::now();
     if (options_.frames.empty()) {
-      frame.cut = scene_.update(camera);
+      frame.cut = scene_.update(camera, seconds);
     } else {
       auto cut = scene_.settle(camera);
       if (!cut) return tl::unexpected(cut.error());
       frame.cut = std::move(*cut);
     }
-    frame.drawn = scene_.draw(target_, camera, frame.cut, {});
+    frame.drawn = scene_.draw(target_, camera, frame.cut, options_.style);
     gl_.Finish();
     frame.seconds = seconds_since(begun);
     frame.stats = scene_.frame_stats();
-    for (const Error& e : scene_.take_errors()) fmt::print(stderr, "tintree-view: {}\n", e.text());
+    shortfalls_.note(scene_, options_);
     frames_.push_back(std::move(frame));
     if (options_.frames.empty()) return {};
     return write_png(fmt::format("{}/frame-{:06}.png", options_.frames, frames_.size() - 1), target_.read_picture());
@@ -97,6 +100,7 @@ class Playback {
   const render::Flight& flight_;
   const ViewOptions& options_;
   std::vector<Frame> frames_;
+  Shortfalls shortfalls_;
 };
 
 /// The value that a share of the frames do not exceed.
@@ -126,6 +130,7 @@ nlohmann::ordered_json to_json(const Frame& f) {
       {"upload_bytes", f.stats.upload_bytes},
       {"cache_bytes", f.stats.cache_bytes},
       {"gpu_bytes", f.stats.gpu_bytes},
+      {"gpu_memory_full", f.stats.gpu_memory_full},
   };
 }
 
@@ -140,12 +145,13 @@ nlohmann::ordered_json to_json(const std::vector<Frame>& frames, const render::G
   nlohmann::ordered_json each = nlohmann::ordered_json::array();
   for (const Frame& f : frames) each.push_back(to_json(f));
   return {
-      {"tree", options.tree},
+      {"trees", options.trees},
       {"flight", options.flight},
       {"renderer", gl.renderer},
       {"width_px", options.width_px},
       {"height_px", options.height_px},
       {"pixel_error", options.pixel_error},
+      {"gpu_memory_bytes", options.gpu_bytes},
       {"fps", options.fps},
       {"real_time", options.real_time},
       {"waits_for_tiles", !options.frames.empty()},
@@ -189,7 +195,8 @@ Expected<void> make_folder(const std::string& folder) {
 
 }  // namespace
 
-Expected<void> play_flight(const render::GlFunctions& gl, const cache::TileStore& store, const ViewOptions& options) {
+Expected<void> play_flight(const render::GlFunctions& gl, render::TerrainScene::Stores stores,
+                           const ViewOptions& options) {
   const auto flight = render::Flight::load(options.flight);
   if (!flight) return tl::unexpected(flight.error());
   if (auto made = make_folder(options.frames); !made) return made;
@@ -197,12 +204,14 @@ Expected<void> play_flight(const render::GlFunctions& gl, const cache::TileStore
   if (!target) return tl::unexpected(target.error());
   render::SceneOptions scene_options;
   scene_options.cut.pixel_error = options.pixel_error;
+  scene_options.gpu_bytes = options.gpu_bytes;
   scene_options.upload_bytes = kUploadBytes;
-  const auto scene = render::TerrainScene::create(gl, store, scene_options);
+  const auto scene = render::TerrainScene::create(gl, stores, scene_options);
   if (!scene) return tl::unexpected(scene.error());
   Playback playback(gl, **scene, *target, *flight, options);
   if (auto played = playback.run(); !played) return played;
-  return publish(playback.frames(), gl, options);
+  if (auto published = publish(playback.frames(), gl, options); !published) return published;
+  return playback.outcome();
 }
 
 }  // namespace tintree::view

@@ -6,6 +6,7 @@
 #include "apps/common/json_file.h"
 #include "apps/view/debug_lines.h"
 #include "apps/view/picture_file.h"
+#include "apps/view/shortfalls.h"
 #include "render/terrain_scene.h"
 
 namespace tintree::view {
@@ -26,11 +27,11 @@ struct Figures {
 };
 
 nlohmann::ordered_json to_json(const Figures& f, const render::Camera& camera, const ViewOptions& options,
-                               const cache::TileStore& store, const cache::TileCache::Stats& cache,
+                               render::TerrainScene::Stores stores, const cache::TileCache::Stats& cache,
                                const std::string& renderer) {
   return {
-      {"tree", store.path()},
-      {"digest", store.manifest().digest},
+      {"tree", stores.front()->path()},
+      {"digest", stores.front()->manifest().digest},
       {"screenshot", options.screenshot},
       {"width_px", camera.width_px},
       {"height_px", camera.height_px},
@@ -54,17 +55,17 @@ nlohmann::ordered_json to_json(const Figures& f, const render::Camera& camera, c
 
 }  // namespace
 
-Expected<void> draw_still(const render::GlFunctions& gl, const cache::TileStore& store, const ViewOptions& options,
-                          Clock::time_point begun) {
-  const auto camera = first_camera(options, store.bounds());
-  if (!camera) return tl::unexpected(camera.error());
+Expected<void> draw_still(const render::GlFunctions& gl, render::TerrainScene::Stores stores,
+                          const ViewOptions& options, Clock::time_point begun) {
   const auto target = render::OffscreenTarget::create(gl, options.width_px, options.height_px, kSamples);
   if (!target) return tl::unexpected(target.error());
   render::SceneOptions scene_options;
   scene_options.cut.pixel_error = options.pixel_error;
   scene_options.gpu_bytes = options.gpu_bytes;
-  const auto scene = render::TerrainScene::create(gl, store, scene_options);
+  const auto scene = render::TerrainScene::create(gl, stores, scene_options);
   if (!scene) return tl::unexpected(scene.error());
+  const auto camera = first_camera(options, (*scene)->trees());
+  if (!camera) return tl::unexpected(camera.error());
 
   const auto lines = render::LineDrawer::create(gl);
   if (!lines) return tl::unexpected(lines.error());
@@ -73,6 +74,8 @@ Expected<void> draw_still(const render::GlFunctions& gl, const cache::TileStore&
   const auto loading = Clock::now();
   auto cut = (*scene)->settle(*camera);
   if (!cut) return tl::unexpected(cut.error());
+  Shortfalls shortfalls;
+  shortfalls.note(**scene, options);
   figures.cut = std::move(*cut);
   figures.load_seconds = seconds_since(loading);
   render::Style style = options.style;
@@ -83,7 +86,7 @@ Expected<void> draw_still(const render::GlFunctions& gl, const cache::TileStore&
   gl.Finish();
   figures.frame_seconds = seconds_since(drawing);
   if (options.boxes) {
-    const auto boxes = box_lines(store.bounds(), figures.cut);
+    const auto boxes = box_lines((*scene)->trees(), figures.cut);
     lines->draw(*target, *camera, (*scene)->renderer().near_m(figures.cut), boxes);
   }
   if (!options.screenshot.empty()) {
@@ -91,7 +94,7 @@ Expected<void> draw_still(const render::GlFunctions& gl, const cache::TileStore&
   }
   figures.seconds = seconds_since(begun);
   if (!options.json.empty()) {
-    const auto json = to_json(figures, *camera, options, store, (*scene)->cache().stats(), gl.renderer);
+    const auto json = to_json(figures, *camera, options, stores, (*scene)->cache().stats(), gl.renderer);
     if (auto written = app::write_json(options.json, json); !written) return written;
   }
   if (!options.quiet) {
@@ -101,7 +104,7 @@ Expected<void> draw_still(const render::GlFunctions& gl, const cache::TileStore&
         figures.drawn.tiles, figures.drawn.triangles, figures.cut.max_error_px, figures.load_seconds,
         figures.frame_seconds);
   }
-  return {};
+  return shortfalls.outcome();
 }
 
 }  // namespace tintree::view

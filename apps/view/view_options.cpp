@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 namespace tintree::view {
@@ -17,8 +16,7 @@ namespace {
 constexpr double kElevation = 38 * std::numbers::pi / 180;
 constexpr double kAzimuth = std::numbers::pi;  // South.
 constexpr int kMostPixels = 16384;
-constexpr std::int64_t kLeastGpuMib = 16;
-constexpr std::int64_t kMostGpuMib = std::int64_t{1} << 24;
+constexpr int kMostGpuMib = 1 << 20;
 
 template <typename Number>
 bool take_number(std::string_view& text, Number& out) {
@@ -58,7 +56,7 @@ Expected<void> read_size(std::string_view text, ViewOptions& out) {
 
 /// Corners of the boxes of the finest level that has at most a few hundred tiles: they hug the terrain
 /// better than the root's box.
-std::vector<glm::dvec3> outline(const cache::TileBounds& bounds) {
+void add_outline(const cache::TileBounds& bounds, std::vector<glm::dvec3>& corners) {
   constexpr std::size_t kEnough = 300;
   std::size_t first = 0;
   std::size_t end = bounds.nodes().size();
@@ -69,7 +67,6 @@ std::vector<glm::dvec3> outline(const cache::TileBounds& bounds) {
     begun = i;
   }
   const int level = end == 0 ? 0 : bounds.nodes()[first].id.level;
-  std::vector<glm::dvec3> corners;
   for (std::size_t i = first; i < end && bounds.nodes()[i].id.level == level; ++i) {
     const cache::Box box = bounds.box(bounds.nodes()[i]);
     for (unsigned c = 0; c < 8; ++c) {
@@ -77,7 +74,6 @@ std::vector<glm::dvec3> outline(const cache::TileBounds& bounds) {
                            (c & 4U) != 0 ? box.max[2] : box.min[2]);
     }
   }
-  return corners;
 }
 
 Expected<void> read_sun(std::string_view text, render::Style& out) {
@@ -115,7 +111,8 @@ Expected<void> read_show(std::span<const std::string> names, ViewOptions& out) {
 
 Expected<ViewOptions> read_options(const CommandLine& line) {
   ViewOptions out;
-  out.tree = line.tree;
+  out.trees = line.trees;
+  out.gpu_bytes = static_cast<std::size_t>(std::max(line.gpu_memory_mib, 0)) << 20;
   out.pixel_error = line.pixel_error;
   out.screenshot = line.screenshot;
   out.flight = line.flight;
@@ -127,6 +124,8 @@ Expected<ViewOptions> read_options(const CommandLine& line) {
   if (!std::isfinite(line.pixel_error) || line.pixel_error < 0) {
     return fail(ErrorCode::kUsage, "wants a number of pixels, 0 or more", "--pixel-error");
   }
+  if (line.gpu_memory_mib < 1 || line.gpu_memory_mib > kMostGpuMib)
+    return fail(ErrorCode::kUsage, "wants MiB of graphics memory for tiles, 1 to 1048576", "--gpu-memory");
   if (!(line.fps > 0 && line.fps <= 10000))
     return fail(ErrorCode::kUsage, "wants frames a second, more than 0 and at most 10000", "--fps");
   if (!line.frames.empty() && line.flight.empty())
@@ -138,11 +137,6 @@ Expected<ViewOptions> read_options(const CommandLine& line) {
   if (line.headless == "egl") out.headless = render::Headless::kEgl;
   if (line.headless == "osmesa") out.headless = render::Headless::kOsMesa;
   if (!line.headless.empty() && !out.headless) return fail(ErrorCode::kUsage, "wants egl or osmesa", "--headless");
-  if (line.gpu_memory_mib < kLeastGpuMib) {
-    return fail(ErrorCode::kUsage, fmt::format("wants {} MiB or more, so that the tiles of one view fit", kLeastGpuMib),
-                "--gpu-memory");
-  }
-  out.gpu_bytes = static_cast<std::size_t>(std::min(line.gpu_memory_mib, kMostGpuMib)) << 20U;
   if (auto read = read_show(line.show, out); !read) return tl::unexpected(read.error());
   if (auto read = read_sun(line.sun, out.style); !read) return tl::unexpected(read.error());
   if (auto read = read_size(line.size, out); !read) return tl::unexpected(read.error());
@@ -155,8 +149,10 @@ Expected<ViewOptions> read_options(const CommandLine& line) {
   return out;
 }
 
-Expected<render::Camera> first_camera(const ViewOptions& options, const cache::TileBounds& bounds) {
-  render::Camera camera = render::overview(outline(bounds), kAzimuth, kElevation, options.width_px, options.height_px);
+Expected<render::Camera> first_camera(const ViewOptions& options, render::Trees trees) {
+  std::vector<glm::dvec3> corners;
+  for (const cache::TileBounds* tree : trees) add_outline(*tree, corners);
+  render::Camera camera = render::overview(corners, kAzimuth, kElevation, options.width_px, options.height_px);
   const glm::dvec3 away = camera.eye - camera.target;
   if (options.target) {
     camera.target = *options.target;

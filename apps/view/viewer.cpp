@@ -13,6 +13,7 @@
 #include "apps/common/program.h"
 #include "apps/view/debug_lines.h"
 #include "apps/view/places.h"
+#include "apps/view/shortfalls.h"
 #include "render/frozen_cut.h"
 #include "render/picking.h"
 
@@ -24,10 +25,17 @@ constexpr double kLongestStep_s = 0.1;
 constexpr double kRest_s = 0.25;  ///< With nothing to do it sleeps, but wakes to notice a stop.
 constexpr double kDegree = std::numbers::pi / 180;
 
-NavigationLimits limits_of(const cache::TileBounds& bounds) {
-  const cache::Box box = bounds.box(bounds.nodes().front());
-  const double diagonal = std::hypot(box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]);
-  return {2 * bounds.layout().dx_m, 10 * diagonal};
+NavigationLimits limits_of(render::Trees trees) {
+  cache::Box all = trees.front()->box(trees.front()->nodes().front());
+  for (const cache::TileBounds* tree : trees) {
+    const cache::Box box = tree->box(tree->nodes().front());
+    for (std::size_t i = 0; i < 3; ++i) {
+      all.min[i] = std::min(all.min[i], box.min[i]);
+      all.max[i] = std::max(all.max[i], box.max[i]);
+    }
+  }
+  const double diagonal = std::hypot(all.max[0] - all.min[0], all.max[1] - all.min[1], all.max[2] - all.min[2]);
+  return {2 * trees.front()->layout().dx_m, 10 * diagonal};
 }
 
 }  // namespace
@@ -38,7 +46,7 @@ Viewer::Viewer(GLFWwindow* window, Tools tools, const cache::Manifest& manifest,
       tools_(std::move(tools)),
       manifest_(manifest),
       options_(options),
-      pilot_(camera, limits_of(tools_.scene.bounds()), sense_ground()),
+      pilot_(camera, limits_of(tools_.scene.trees()), sense_ground()),
       flights_(std::move(flight)),
       style_(options.style),
       boxes_(options.boxes) {
@@ -106,20 +114,21 @@ void Viewer::turn_sun(double seconds) {
 
 GroundSense Viewer::sense_ground() {
   render::TerrainScene& scene = tools_.scene;
-  const render::FindTile find = [&scene](const codec::TileId& id) { return scene.cache().get(id); };
+  const render::FindTile find = [&scene](const cache::TileRef& tile) { return scene.cache().get(tile); };
   GroundSense out;
   out.pick = [&scene, find](const render::Ray& ray) -> std::optional<glm::dvec3> {
-    const auto hit = render::pick(scene.bounds(), find, ray);
+    const auto hit = render::pick(scene.trees(), find, ray);
     if (!hit) return std::nullopt;
     return hit->at;
   };
   out.floor_m = [&scene, find](double x_m, double y_m) -> std::optional<double> {
-    const auto ground = render::ground_at(scene.bounds(), find, x_m, y_m);
+    const auto ground = render::ground_at(scene.trees(), find, x_m, y_m);
     if (!ground) return std::nullopt;
     // Finer tiles than the one in memory may rise over it by its error, but no more.
-    const cache::TileNode& node = scene.bounds().nodes()[ground->node];
+    const cache::TileBounds& tree = *scene.trees()[ground->tree];
+    const cache::TileNode& node = tree.nodes()[ground->node];
     const double error_m = node.child_mask == 0 ? 0 : static_cast<double>(node.lod_error_m);
-    return ground->at.z + error_m + 0.25 * scene.bounds().layout().dx_m;
+    return ground->at.z + error_m + 0.25 * tree.layout().dx_m;
   };
   return out;
 }
@@ -144,19 +153,19 @@ void Viewer::draw_scene() {
   const double begun_s = glfwGetTime();
   const render::Camera& camera = pilot_.camera();
   render::TerrainScene& scene = tools_.scene;
-  const render::LodCut cut = scene.update(frozen_.value_or(camera));
-  const render::LodCut shown = frozen_ ? render::seen_from(cut, scene.bounds(), camera) : cut;
+  const render::LodCut cut = scene.update(frozen_.value_or(camera), frozen_ ? std::nullopt : std::optional(now_s_));
+  const render::LodCut shown = frozen_ ? render::seen_from(cut, scene.trees(), camera) : cut;
   style_.allowed_px = scene.cut_options().pixel_error;
   const render::DrawStats drawn = scene.draw(*target_, camera, shown, style_);
   std::vector<render::WorldLine> lines;
-  if (boxes_) lines = box_lines(scene.bounds(), shown);
+  if (boxes_) lines = box_lines(scene.trees(), shown);
   if (frozen_) std::ranges::copy(view_lines(*frozen_), std::back_inserter(lines));
   tools_.lines.draw(*target_, camera, scene.renderer().near_m(shown), lines);
 
   // Goes on drawing while tiles come; those that cannot be loaded are not waited for.
-  const auto ready = [&](const codec::TileId& id) { return scene.cache().get(id) != nullptr; };
-  stale_ = !cut.complete && (!scene.cache().idle() || std::ranges::any_of(cut.requests, ready));
+  stale_ = scene.busy(cut);
   take_tile_errors();
+  tell_of_memory();
   text_stale_ = true;
   ++frames_;
 
@@ -185,6 +194,11 @@ void Viewer::take_tile_errors() {
     report(e);
     if (tile_errors_ == kMostPrinted) fmt::print(stderr, "tintree-view: further tiles that fail are not named\n");
   }
+}
+
+void Viewer::tell_of_memory() {
+  if (!tools_.scene.frame_stats().gpu_memory_full || std::exchange(told_of_memory_, true)) return;
+  report({ErrorCode::kUsage, too_little_memory(options_), "--gpu-memory"});
 }
 
 void Viewer::present() {

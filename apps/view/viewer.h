@@ -77,6 +77,7 @@ class Viewer {
   void present();
   HudText hud_text() const;
   void take_tile_errors();
+  void tell_of_memory();
 
   GroundSense sense_ground();
   /// To standard error and onto the picture.
@@ -112,6 +113,7 @@ class Viewer {
   double now_s_ = 0;
   std::uint64_t frames_ = 0;
   std::uint64_t tile_errors_ = 0;
+  bool told_of_memory_ = false;
   bool stale_ = true;       ///< The scene has to be drawn again.
   bool text_stale_ = true;  ///< The text over it has.
 };

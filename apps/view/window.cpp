@@ -40,30 +40,30 @@ nlohmann::ordered_json to_json(const Viewer::Summary& s, const cache::TileStore&
   };
 }
 
-Expected<void> show(GlfwWindow& window, const render::GlFunctions& gl, const cache::TileStore& store,
+Expected<void> show(GlfwWindow& window, const render::GlFunctions& gl, render::TerrainScene::Stores stores,
                     const ViewOptions& options, std::optional<render::Flight> flight, Clock::time_point begun) {
-  const auto camera = first_camera(options, store.bounds());
-  if (!camera) return tl::unexpected(camera.error());
   render::SceneOptions scene_options;
   scene_options.cut.pixel_error = options.pixel_error;
   scene_options.gpu_bytes = options.gpu_bytes;
   scene_options.upload_bytes = kUploadBytes;
-  const auto scene = render::TerrainScene::create(gl, store, scene_options);
+  const auto scene = render::TerrainScene::create(gl, stores, scene_options);
   if (!scene) return tl::unexpected(scene.error());
+  const auto camera = first_camera(options, (*scene)->trees());
+  if (!camera) return tl::unexpected(camera.error());
   auto text = render::TextDrawer::create(gl);
   if (!text) return tl::unexpected(text.error());
   auto lines = render::LineDrawer::create(gl);
   if (!lines) return tl::unexpected(lines.error());
-  Viewer viewer(window.handle(), {gl, **scene, std::move(*text), std::move(*lines)}, store.manifest(), options, *camera,
-                std::move(flight));
+  Viewer viewer(window.handle(), {gl, **scene, std::move(*text), std::move(*lines)}, stores.front()->manifest(),
+                options, *camera, std::move(flight));
   if (auto done = viewer.run(); !done) return done;
   if (options.json.empty()) return {};
-  return app::write_json(options.json, to_json(viewer.summary(), store, begun, gl.renderer));
+  return app::write_json(options.json, to_json(viewer.summary(), *stores.front(), begun, gl.renderer));
 }
 
 }  // namespace
 
-Expected<void> run_window(const cache::TileStore& store, const ViewOptions& options, Clock::time_point begun) {
+Expected<void> run_window(render::TerrainScene::Stores stores, const ViewOptions& options, Clock::time_point begun) {
   std::optional<render::Flight> flight;
   if (!options.flight.empty()) {
     auto loaded = render::Flight::load(options.flight);
@@ -71,13 +71,13 @@ Expected<void> run_window(const cache::TileStore& store, const ViewOptions& opti
     flight = std::move(*loaded);
   }
   const bool still = !options.screenshot.empty();
-  const std::string title = std::filesystem::path(options.tree).filename().string() + " - tintree";
+  const std::string title = std::filesystem::path(options.trees.front()).filename().string() + " - tintree";
   const auto window = GlfwWindow::create(options.width_px, options.height_px, title, !still);
   if (!window) return tl::unexpected(window.error());
   const auto gl = render::load_gl(GlfwWindow::get_function());
   if (!gl) return tl::unexpected(gl.error());
-  if (still) return draw_still(*gl, store, options, begun);
-  return show(**window, *gl, store, options, std::move(flight), begun);
+  if (still) return draw_still(*gl, stores, options, begun);
+  return show(**window, *gl, stores, options, std::move(flight), begun);
 }
 
 }  // namespace tintree::view

@@ -3,14 +3,14 @@
 #include <chrono>
 
 #include "apps/view/view_options.h"
-#include "cache/tile_store.h"
 #include "codec/error.h"
+#include "render/terrain_scene.h"
 
 namespace tintree::view {
 
-/// Shows a tree in a window until it is closed (controls.h), then writes options.json. With options.screenshot it
+/// Shows trees in a window until it is closed (controls.h), then writes options.json. With options.screenshot it
 /// writes that picture instead and shows nothing. Fails with kIo when there is no display.
-Expected<void> run_window(const cache::TileStore& store, const ViewOptions& options,
+Expected<void> run_window(render::TerrainScene::Stores stores, const ViewOptions& options,
                           std::chrono::steady_clock::time_point begun);
 
 }  // namespace tintree::view

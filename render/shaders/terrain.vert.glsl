@@ -1,9 +1,7 @@
 #version 330 core
 
-layout(location = 0) in vec2 address_xy;
-layout(location = 1) in float address_z;
-layout(location = 2) in uint skirt_sides;
-layout(location = 3) in vec2 normal_xy;
+layout(location = 0) in uvec4 packed_address;  // cache/drawable_tile.h, DrawVertex
+layout(location = 1) in vec2 normal_xy;
 
 uniform mat4 address_to_eye;   // grid addresses to metres east, north, up of the eye
 uniform mat4 eye_to_clip;
@@ -15,7 +13,10 @@ out vec3 normal;
 out float rise;                // metres above the lowest ground
 
 void main() {
-  vec3 position = (address_to_eye * vec4(address_xy, address_z, 1.0)).xyz;
+  uint high = packed_address.w;
+  uint skirt_sides = high & 15u;
+  vec3 address = vec3(packed_address.xyz | uvec3(high >> 4 & 7u, high >> 7 & 7u, high >> 10) << 16);
+  vec3 position = (address_to_eye * vec4(address, 1.0)).xyz;
   rise = position.z + eye_rise;
   if (skirt_sides != 0u) {
     // Down by what a gap can measure, and half of that outward, under the neighbour, so that rounding

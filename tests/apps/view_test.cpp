@@ -16,6 +16,10 @@
 namespace tintree::view {
 namespace {
 
+constexpr const char* kFlight = R"({"keyframes": [
+    {"seconds": 0, "eye_m": [640, -1500, 500], "target_m": [640, -640, 0]},
+    {"seconds": 0.2, "eye_m": [640, -1100, 200], "azimuth_deg": 10, "elevation_deg": -20}]})";
+
 /// The command line; TINTREE_VIEW is the program's path.
 class ViewProgram : public testing::Test {
  protected:
@@ -32,6 +36,8 @@ class ViewProgram : public testing::Test {
     EXPECT_NE(r.err.find(about), std::string::npos) << r.err;
     EXPECT_EQ(std::ranges::count(r.err, '\n'), 1) << r.err;
   }
+
+  std::string with_damaged(const codec::TileId& id) const;
 
   test::TempDir dir_;
   std::string tree_ = dir_.file("small.tintree");
@@ -84,6 +90,7 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheCommandLine) {
                                                                                       {"--target", "nan,0,0"},
                                                                                       {"--pixel-error", "-1"},
                                                                                       {"--pixel-error", "many"},
+                                                                                      {"--gpu-memory", "0"},
                                                                                       {"--headless", "glx"}}) {
     std::vector<std::string> arguments = option == "--headless" ? std::vector<std::string>{tree_} : base;
     arguments.insert(arguments.end(), {option, value});
@@ -106,23 +113,59 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheFile) {
   expect_failure(view({cut, "--headless", "osmesa"}), 3, "cut.tintree");
 }
 
-// Flips one bit anywhere in the tiles: a picture with a hole or of wrong heights would be a lie.
-TEST_F(ViewProgram, RefusesADamagedTile) {
+/// Flips one bit of a tile in a copy of the tree; returns the copy's path.
+std::string ViewProgram::with_damaged(const codec::TileId& id) const {
   std::string bytes = test::read_file(tree_);
-  const auto payload = cache::TileStore::open(tree_)->read({0, 0, 0})->payload;
-  const std::size_t at = bytes.find(std::string(reinterpret_cast<const char*>(payload.data()), 40));
-  ASSERT_NE(at, std::string::npos);
+  const auto payload = cache::TileStore::open(tree_)->read(id)->payload;
+  const std::size_t at =
+      bytes.find(std::string(reinterpret_cast<const char*>(payload.data()) + payload.size() / 2, 60));
+  EXPECT_NE(at, std::string::npos);
   bytes[at + 30] = static_cast<char>(bytes[at + 30] ^ 4);
   const std::string bad = dir_.file("bad.tintree");
   test::write_file(bad, bytes);
-  const std::string png = dir_.file("bad.png");
-  expect_failure(view({bad, "--headless", "osmesa", "--pixel-error", "0", "--screenshot", png}), 3, "damaged");
-  EXPECT_FALSE(std::filesystem::exists(png));
+  return bad;
 }
 
-constexpr const char* kFlight = R"({"keyframes": [
-    {"seconds": 0, "eye_m": [640, -1500, 500], "target_m": [640, -640, 0]},
-    {"seconds": 0.2, "eye_m": [640, -1100, 200], "azimuth_deg": 10, "elevation_deg": -20}]})";
+// Its parent stands in, the tile is named once, and the exit code tells that the picture is not what was asked for.
+TEST_F(ViewProgram, DrawsADamagedTileFromItsParent) {
+  const std::string png = dir_.file("bad.png");
+  const std::string json = dir_.file("bad.json");
+  const std::string bad = with_damaged({2, 1, 1});
+  const auto r =
+      view({bad, "--headless", "osmesa", "--pixel-error", "0", "--screenshot", png, "--json", json, "--quiet"});
+  expect_failure(r, 3, "2/1/1");
+  EXPECT_NE(r.err.find("bad.tintree"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(png));
+  EXPECT_EQ(nlohmann::json::parse(test::read_file(json)).at("tiles"), 13);  // Three quadrants of leaves, and a parent.
+  const std::string flight = dir_.file("flight.json");
+  test::write_file(flight, kFlight);
+  expect_failure(view({bad, "--headless", "osmesa", "--pixel-error", "0", "--flight", flight, "--frames",
+                       dir_.file("f"), "--quiet", "--size", "64x48"}),
+                 3, "2/1/1");
+}
+
+TEST_F(ViewProgram, GoesOnWithoutADamagedRoot) {
+  const std::string png = dir_.file("bad.png");
+  expect_failure(
+      view({with_damaged({0, 0, 0}), "--headless", "osmesa", "--pixel-error", "1000", "--screenshot", png, "--quiet"}),
+      3, "0/0/0");
+  EXPECT_TRUE(std::filesystem::exists(png));
+}
+
+TEST_F(ViewProgram, SaysWhenGraphicsMemoryIsTooSmall) {
+  test::AnalyticTree large;
+  large.columns = large.rows = 257;
+  large.tile_cells = 64;
+  const std::string tree = dir_.file("large.tintree");
+  large.write(tree);
+  const std::string json = dir_.file("small_memory.json");
+  const auto r =
+      view({tree, "--headless", "osmesa", "--pixel-error", "0", "--gpu-memory", "1", "--json", json, "--quiet"});
+  EXPECT_EQ(r.exit_code, 0) << r.all();
+  EXPECT_NE(r.err.find("--gpu-memory"), std::string::npos) << r.err;
+  EXPECT_GE(nlohmann::json::parse(test::read_file(json)).at("tiles"), 1);
+  EXPECT_EQ(view({tree, "--headless", "osmesa", "--pixel-error", "0", "--quiet"}).err, "");
+}
 
 TEST_F(ViewProgram, FliesAndWritesFramesAndFigures) {
   const std::string flight = dir_.file("flight.json");

@@ -14,6 +14,7 @@
 namespace tintree::render {
 namespace {
 
+using cache::TileRef;
 using codec::TileId;
 
 class LodCutTest : public testing::Test {
@@ -140,8 +141,8 @@ TEST_F(LodCutTest, WithNothingResidentAsksCoarseFirstAndDrawsNothing) {
   EXPECT_TRUE(cut.draws.empty());
   EXPECT_FALSE(cut.complete);
   ASSERT_FALSE(cut.requests.empty());
-  EXPECT_EQ(cut.requests.front(), (TileId{0, 0, 0}));
-  EXPECT_TRUE(std::ranges::is_sorted(cut.requests, {}, &TileId::level));
+  EXPECT_EQ(cut.requests.front().id, (TileId{0, 0, 0}));
+  EXPECT_TRUE(std::ranges::is_sorted(cut.requests, {}, [](const TileRef& r) { return r.id.level; }));
   EXPECT_EQ(cut.late, cut.wanted);
   EXPECT_GT(cut.late, 0U);
 }
@@ -153,14 +154,14 @@ TEST_F(LodCutTest, AsksForTheMiddleOfTheViewFirst) {
   for (int i = 0; i < 20; ++i) {
     const Camera c = camera(random);
     const LodCut cut = lod_cut(bounds_, c, {1}, [](std::uint32_t n) { return n == 0; });
-    const auto angle = [&](const TileId& t) {
-      const cache::Box b = bounds_.box(bounds_.nodes()[static_cast<std::size_t>(bounds_.find(t))]);
+    const auto angle = [&](const TileRef& t) {
+      const cache::Box b = bounds_.box(bounds_.nodes()[static_cast<std::size_t>(bounds_.find(t.id))]);
       const glm::dvec3 middle{(b.min[0] + b.max[0]) / 2, (b.min[1] + b.max[1]) / 2, (b.min[2] + b.max[2]) / 2};
       const glm::dvec3 way = glm::normalize(middle - c.eye);
       return std::acos(std::clamp(glm::dot(way, glm::normalize(c.target - c.eye)), -1.0, 1.0));
     };
     for (std::size_t k = 1; k < cut.requests.size(); ++k) {
-      if (cut.requests[k].level != cut.requests[k - 1].level) continue;
+      if (cut.requests[k].id.level != cut.requests[k - 1].id.level) continue;
       EXPECT_LE(angle(cut.requests[k - 1]), angle(cut.requests[k]) + 1e-6);
       ++compared;
     }
@@ -186,8 +187,8 @@ TEST_F(LodCutTest, ParentsStandInUntilTheirChildrenHaveCome) {
       for (const DrawTile& d : cut.draws) EXPECT_TRUE(resident(d.node));
       if (cut.complete) break;
       ASSERT_FALSE(cut.requests.empty());
-      for (const TileId& r : cut.requests) EXPECT_FALSE(resident(static_cast<std::uint32_t>(bounds_.find(r))));
-      here.insert(static_cast<std::uint32_t>(bounds_.find(cut.requests.front())));
+      for (const TileRef& r : cut.requests) EXPECT_FALSE(resident(static_cast<std::uint32_t>(bounds_.find(r.id))));
+      here.insert(static_cast<std::uint32_t>(bounds_.find(cut.requests.front().id)));
     }
     const LodCut with_some = lod_cut(bounds_, c, {1}, resident);
     const LodCut with_all = lod_cut(bounds_, c, {1}, kAll);
@@ -203,8 +204,68 @@ TEST_F(LodCutTest, FinerTilesStandInForACoarseOneThatIsMissing) {
   ASSERT_EQ(lod_cut(bounds_, far, {1}, kAll).draws.size(), 1U);
   const LodCut cut = lod_cut(bounds_, far, {1}, [](std::uint32_t n) { return n != 0; });
   EXPECT_FALSE(cut.complete);
-  EXPECT_EQ(cut.requests, std::vector<TileId>(1, TileId{0, 0, 0}));
+  EXPECT_EQ(cut.requests, std::vector<TileRef>(1, TileRef{{0, 0, 0}}));
   expect_covered_once(cut, far);
+}
+
+// Whatever is lost, all else is drawn as soon as it is there: a lost tile has a hole only where it and all above
+// it are lost, and nothing waits for what never comes.
+TEST_F(LodCutTest, GoesRoundWhatIsLost) {
+  std::mt19937 random(8);
+  const std::array<const cache::TileBounds*, 1> trees{&bounds_};
+  for (int i = 0; i < 40; ++i) {
+    const Camera c = camera(random);
+    std::set<std::uint32_t> lost;
+    for (std::uint32_t n = i % 2; n < bounds_.nodes().size(); ++n) {
+      if (random() % 8 == 0) lost.insert(n);
+    }
+    if (i % 4 == 0) lost.insert(0);
+    const LodCut cut = lod_cut(trees, c, {1}, [&](std::uint32_t, std::uint32_t n) {
+      return lost.contains(n) ? TileState::kLost : TileState::kResident;
+    });
+    EXPECT_EQ(cut.late, 0U);
+    const Frustum frustum(c);
+    for (const cache::TileNode& node : bounds_.nodes()) {
+      if (node.child_mask != 0 || frustum.outside(bounds_.box(node))) continue;
+      const auto times = std::ranges::count_if(cut.draws, [&](const DrawTile& d) { return covers(id(d), node.id); });
+      bool forsaken = true;
+      for (TileId t = node.id;; t = t.parent()) {
+        forsaken = forsaken && lost.contains(static_cast<std::uint32_t>(bounds_.find(t)));
+        if (t.level == 0) break;
+      }
+      if (forsaken) {
+        EXPECT_EQ(times, 0);
+      } else {
+        EXPECT_EQ(times, 1) << i << " " << node.id.text();
+      }
+    }
+    for (const DrawTile& d : cut.draws) EXPECT_FALSE(lost.contains(d.node));
+  }
+}
+
+TEST_F(LodCutTest, SeveralTreesAreCutEachByItself) {
+  codec::TreeLayout layout = bounds_.layout();
+  layout.origin_m = {2990, 0};
+  const cache::TileBounds east = bounds_.placed(layout);
+  const std::array<const cache::TileBounds*, 2> both{&bounds_, &east};
+  std::mt19937 random(9);
+  for (int i = 0; i < 20; ++i) {
+    const Camera c = camera(random);
+    Camera moved = c;
+    moved.eye.x -= 2990;
+    moved.target.x -= 2990;
+    const auto all = [](std::uint32_t, std::uint32_t) { return TileState::kResident; };
+    const LodCut cut = lod_cut(both, c, {1}, all);
+    for (std::uint32_t tree = 0; tree < 2; ++tree) {
+      std::vector<std::uint32_t> nodes;
+      for (const DrawTile& d : cut.draws) {
+        if (d.tree == tree) nodes.push_back(d.node);
+      }
+      std::vector<std::uint32_t> alone;
+      for (const DrawTile& d : lod_cut(bounds_, tree == 0 ? c : moved, {1}, kAll).draws) alone.push_back(d.node);
+      EXPECT_EQ(nodes, alone) << i << " " << tree;
+    }
+  }
 }
 
 TEST_F(LodCutTest, LooksAwayAndDrawsNothing) {

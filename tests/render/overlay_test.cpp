@@ -199,13 +199,15 @@ TEST(TileTints, TellLevelsAndErrorsApart) {
 TEST(FrozenCut, TakesDepthsFromTheNewCamera) {
   const test::AnalyticTree tree;
   const cache::TileBounds bounds = tree.bounds();
+  const cache::TileBounds* const at = &bounds;
+  const Trees trees(&at, 1);
   Camera chosen;
   chosen.eye = {640, -4000, 3000};
   chosen.target = {640, -640, 0};
   const LodCut cut = lod_cut(bounds, chosen, {}, [](std::uint32_t) { return true; });
   Camera near = chosen;
   near.eye = {640, -1500, 300};
-  const LodCut seen = seen_from(cut, bounds, near);
+  const LodCut seen = seen_from(cut, trees, near);
   ASSERT_EQ(seen.draws.size(), cut.draws.size());
   EXPECT_LT(seen.nearest_m, cut.nearest_m);
   for (std::size_t i = 0; i < cut.draws.size(); ++i) {
@@ -219,7 +221,7 @@ TEST(FrozenCut, TakesDepthsFromTheNewCamera) {
   }
   Camera away = near;
   away.target = near.eye + glm::dvec3(0, -1000, 0);
-  EXPECT_EQ(seen_from(cut, bounds, away).nearest_m, 0);
+  EXPECT_EQ(seen_from(cut, trees, away).nearest_m, 0);
 }
 
 }  // namespace

@@ -27,9 +27,11 @@ class Picking : public testing::TestWithParam<double> {
     }
   }
 
+  Trees trees() const { return {&bounds_at_, 1}; }
+
   FindTile find() const {
-    return [this](const codec::TileId& id) {
-      const auto found = tiles_.find(id.key());
+    return [this](const cache::TileRef& tile) {
+      const auto found = tiles_.find(tile.id.key());
       return found == tiles_.end() ? nullptr : found->second;
     };
   }
@@ -81,6 +83,7 @@ class Picking : public testing::TestWithParam<double> {
 
   test::AnalyticTree tree_;
   cache::TileBounds bounds_;
+  const cache::TileBounds* bounds_at_ = &bounds_;
   Tiles tiles_;
 };
 
@@ -88,7 +91,7 @@ TEST_P(Picking, FindsWhatBruteForceFindsOnTheLeaves) {
   int hits = 0;
   for (const Ray& ray : rays(150)) {
     const double expected = crossing_of_level(tree_.layout().leaf_level, ray);
-    const auto found = pick(bounds_, find(), ray);
+    const auto found = pick(trees(), find(), ray);
     ASSERT_EQ(found.has_value(), std::isfinite(expected));
     if (!found) continue;
     ++hits;
@@ -105,26 +108,26 @@ TEST_P(Picking, TakesCoarserTilesWhereFinerOnesAreMissing) {
     it = codec::TileId::from_key(it->first).level > 0 ? tiles_.erase(it) : std::next(it);
   for (const Ray& ray : rays(60)) {
     const double expected = crossing_of_level(0, ray);
-    const auto found = pick(bounds_, find(), ray);
+    const auto found = pick(trees(), find(), ray);
     ASSERT_EQ(found.has_value(), std::isfinite(expected));
     EXPECT_TRUE(!found || std::abs(found->t - expected) < 1e-7 * std::max(1.0, expected));
   }
   tiles_.clear();
-  EXPECT_FALSE(pick(bounds_, find(), rays(1)[0]));
+  EXPECT_FALSE(pick(trees(), find(), rays(1)[0]));
 }
 
 TEST_P(Picking, GroundAtASampleHasItsHeight) {
   for (const std::int64_t column : {0, 1, 31, 32, 77, 128}) {
     for (const std::int64_t row : {0, 32, 50, 128}) {
       const auto [x, y] = tree_.layout().world(static_cast<double>(column), static_cast<double>(row));
-      const auto ground = ground_at(bounds_, find(), x, y);
+      const auto ground = ground_at(trees(), find(), x, y);
       if (GetParam() != 0 && (column % 128 == 0 || row % 128 == 0)) continue;  // Rounding may take it over the edge.
       ASSERT_TRUE(ground) << column << ' ' << row;
       EXPECT_NEAR(ground->at.z, static_cast<double>(tree_.steps(column, row)) * 0.0625, 1e-6);
     }
   }
   const auto [x, y] = tree_.layout().world(-1, 5);
-  EXPECT_FALSE(ground_at(bounds_, find(), x, y));
+  EXPECT_FALSE(ground_at(trees(), find(), x, y));
 }
 
 INSTANTIATE_TEST_SUITE_P(NorthUpAndTurned, Picking, testing::Values(0.0, 0.6));

@@ -117,7 +117,7 @@ LodCut split_cut(const cache::TileBounds& bounds, const Camera& camera) {
   const auto add = [&](const codec::TileId& id) {
     const auto node = static_cast<std::uint32_t>(bounds.find(id));
     const cache::Box box = bounds.box(bounds.nodes()[node]);
-    cut.draws.push_back({node, 0, frustum.nearest_depth_m(box), frustum.farthest_depth_m(box), false});
+    cut.draws.push_back({0, node, 0, frustum.nearest_depth_m(box), frustum.farthest_depth_m(box), false});
     const auto error = static_cast<double>(bounds.nodes()[node].lod_error_m);
     cut.max_error_px = std::max(cut.max_error_px, projected_error_px(error, cut.draws.back().nearest_m, camera));
     cut.farthest_m = std::max(cut.farthest_m, cut.draws.back().farthest_m);
@@ -166,7 +166,10 @@ TEST_P(SkirtTest, FillsTheGapsBetweenLevels) {
   tree.axes = turned_axes(GetParam());
   open(tree);
   GpuTilePool pool(gl_, std::size_t{1} << 30);
-  for (const codec::TileId& id : tree.tiles()) pool.upload(cache::make_drawable(tree.layout(), id, tree.mesh(id)));
+  for (const codec::TileId& id : tree.tiles()) {
+    ASSERT_TRUE(pool.upload({id}, cache::make_drawable(tree.layout(), id, tree.mesh(id))));
+  }
+  const std::array<const cache::TileBounds*, 1> trees{&store_->bounds()};
   const auto renderer = Renderer::create(gl_);
   const auto target = OffscreenTarget::create(gl_, kWidth, kHeight, 1);
   ASSERT_TRUE(renderer && target);
@@ -182,7 +185,7 @@ TEST_P(SkirtTest, FillsTheGapsBetweenLevels) {
     const auto gaps = [&](bool skirts) {
       Style style = before_magenta();
       style.skirts = skirts;
-      renderer->draw(*target, c, store_->bounds(), cut, pool, style);
+      renderer->draw(*target, c, trees, cut, pool, style);
       return count_magenta(target->read_picture());
     };
     EXPECT_EQ(gaps(true), 0) << view;
@@ -275,23 +278,6 @@ TEST_F(RendererTest, PicturesDoNotChangeWithThePlaceInTheWorld) {
   int most = 0;
   for (std::size_t i = 0; i < first.rgb.size(); ++i) most = std::max(most, std::abs(first.rgb[i] - second.rgb[i]));
   EXPECT_LE(most, 2);  // Rounding, no more.
-}
-
-TEST_F(RendererTest, ASmallPoolStillDrawsAllOfAView) {
-  open({});
-  SceneOptions options;
-  options.cut.pixel_error = 0;
-  options.gpu_bytes = options.cache_bytes = 1;
-  options.upload_bytes = 1;
-  auto s = TerrainScene::create(gl_, *store_, options);
-  ASSERT_TRUE(s);
-  const Camera c = camera({640, -640, 3000}, {641, -640, 0});
-  const auto cut = (*s)->settle(c);
-  ASSERT_TRUE(cut);
-  EXPECT_EQ(cut->draws.size(), 16U);
-  const auto target = OffscreenTarget::create(gl_, kWidth, kHeight, 1);
-  ASSERT_TRUE(target);
-  EXPECT_EQ((*s)->draw(*target, c, *cut, {}).tiles, 16U);
 }
 
 TEST_F(RendererTest, RefusesAFrameLargerThanTheDriverHas) {

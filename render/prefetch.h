@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <vector>
+
+#include "cache/tile_ref.h"
+#include "render/camera.h"
+#include "render/lod_cut.h"
+
+namespace tintree::render {
+
+/// Where a camera has been, and where it will be if it goes on like that. A plain value.
+class CameraTrail {
+ public:
+  /// `seconds` by any clock that does not run backward; the last half second is remembered.
+  void add(double seconds, const Camera& camera);
+  /// The last camera, moved on by its mean velocity over what is remembered; it looks the same way. A single place,
+  /// or a jump of the clock, gives no velocity.
+  Camera ahead(double seconds) const;
+
+ private:
+  struct Place {
+    double seconds = 0;
+    glm::dvec3 eye{0};
+  };
+  std::deque<Place> places_;
+  Camera last_;
+};
+
+/// Tiles that an eye where `ahead` is would want in whichever direction it looks, and that are missing: of every level
+/// those that a sphere round the eye reaches, whose radius is the distance at which the error of the level above
+/// is options.pixel_error pixels (Wahl et al. 2004, section 5, Caching & Prefetching). Those with the largest need, by
+/// the projected error of their parents, first; at most `most`. Pure. Cost: about 0.1 us a node visited.
+std::vector<cache::TileRef> prefetch(Trees trees, const Camera& ahead, const CutOptions& options,
+                                     const TileStates& states, std::size_t most);
+
+}  // namespace tintree::render
