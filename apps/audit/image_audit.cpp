@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/audit/view_audit.h"
 #include "apps/audit/view_comparison.h"
-#include "apps/audit/viewpoints.h"
 #include "render/gl_context.h"
 #include "render/terrain_scene.h"
 
@@ -111,6 +111,15 @@ void judge(const ViewReport& v, std::vector<Violation>& violations) {
 
 Expected<ImageReport> audit_images(const AuditContext& context, const ImageOptions& options,
                                    std::vector<Violation>& violations) {
+  const auto choose = [&](double highest_m) {
+    return choose_viewpoints(context.store.manifest().layout, highest_m, options);
+  };
+  return audit_views(context, options, choose, violations);
+}
+
+Expected<ImageReport> audit_views(const AuditContext& context, const ImageOptions& options,
+                                  const std::function<std::vector<Viewpoint>(double highest_m)>& choose,
+                                  std::vector<Violation>& violations) {
   const auto begun = std::chrono::steady_clock::now();
   const std::shared_ptr<const cache::RasterSource> source(std::shared_ptr<void>(), &context.source);
   const auto rays = SurfaceRays::scan(source, kBlockBytes, context.advance);
@@ -122,7 +131,7 @@ Expected<ImageReport> audit_images(const AuditContext& context, const ImageOptio
   report.width_px = options.width_px;
   report.height_px = options.height_px;
   report.pixel_error = options.pixel_error;
-  for (const Viewpoint& view : choose_viewpoints(context.store.manifest().layout, rays->highest_m(), options)) {
+  for (const Viewpoint& view : choose(rays->highest_m())) {
     app::RgbImage picture;
     render::DrawStats stats;
     const auto drawn = (*painter)->draw(view.camera, picture, stats);

@@ -91,6 +91,10 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheCommandLine) {
                                                                                       {"--pixel-error", "-1"},
                                                                                       {"--pixel-error", "many"},
                                                                                       {"--gpu-memory", "0"},
+                                                                                      {"--show", "heights"},
+                                                                                      {"--sun", "315"},
+                                                                                      {"--sun", "315,91"},
+                                                                                      {"--sun", "north,30"},
                                                                                       {"--headless", "glx"}}) {
     std::vector<std::string> arguments = option == "--headless" ? std::vector<std::string>{tree_} : base;
     arguments.insert(arguments.end(), {option, value});

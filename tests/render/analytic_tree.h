@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -22,6 +23,7 @@ struct AnalyticTree {
   int tile_cells = 32;
   double spacing_m = 10;
   codec::GridAxes axes = {};
+  std::array<double, 6> geotransform = {};
   std::function<double(double x_m, double y_m)> height_m = [](double x, double y) {
     return 60 * std::sin(x / 170) * std::cos(y / 130) + 25 * std::sin(x / 41 + y / 57);
   };
@@ -140,6 +142,7 @@ struct AnalyticTree {
   void write(const std::string& path) const {
     cache::Manifest manifest;
     manifest.layout = layout();
+    manifest.geotransform = geotransform;
     auto writer = cache::TileWriter::create(path, manifest);
     ASSERT_TRUE(writer) << writer.error().text();
     for (const codec::TileId& id : tiles()) {

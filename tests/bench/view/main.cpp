@@ -1,0 +1,164 @@
+/// bench_view: every Nth view of a flight, against the full-resolution surface (the audit's measure) and against
+/// drawing the same triangles from one static buffer. Prints one line of JSON; scripts/bench view reads it.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/audit/view_audit.h"
+#include "apps/common/program.h"
+#include "render/flight.h"
+#include "render/gl_context.h"
+#include "tests/bench/view/static_scene.h"
+
+namespace tintree::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::string tree;
+  std::string dem;
+  std::string flight;
+  std::string headless = "osmesa";
+  double fps = 30;
+  int every = 20;
+  int width_px = 1280;
+  int height_px = 720;
+  int repeats = 7;
+};
+
+std::vector<render::Camera> cameras(const render::Flight& flight, const Options& o) {
+  std::vector<render::Camera> out;
+  const auto frames = static_cast<int>(std::floor((flight.end_s() - flight.begin_s()) * o.fps + 1e-9));
+  for (int i = 0; i <= frames; i += o.every)
+    out.push_back(flight.at(flight.begin_s() + i / o.fps, o.width_px, o.height_px));
+  return out;
+}
+
+template <typename Draw>
+double seconds_of(const render::GlFunctions& gl, const Draw& draw) {
+  gl.Finish();
+  const Clock::time_point begun = Clock::now();
+  draw();
+  gl.Finish();
+  return std::chrono::duration<double>(Clock::now() - begun).count();
+}
+
+/// Frame by frame the whole of a frame, cut and all, and the static buffer's, in turn; the least of the repeats.
+Expected<nlohmann::json> against_static(const cache::TileStore& store, const std::vector<render::Camera>& views,
+                                        const Options& o) {
+  const auto kind = o.headless == "egl" ? render::Headless::kEgl : render::Headless::kOsMesa;
+  const auto context = render::HeadlessContext::create(kind);
+  if (!context) return tl::unexpected(context.error());
+  const auto gl = render::load_gl((*context)->get_function());
+  if (!gl) return tl::unexpected(gl.error());
+  const auto target = render::OffscreenTarget::create(*gl, o.width_px, o.height_px, 4);
+  if (!target) return tl::unexpected(target.error());
+  render::SceneOptions options;
+  options.cache_bytes = std::size_t{2} << 30;
+  const auto made = render::TerrainScene::create(*gl, store, options);
+  if (!made) return tl::unexpected(made.error());
+  render::TerrainScene& scene = **made;
+  double scene_seconds = 0, static_seconds = 0;
+  std::uint64_t triangles = 0;
+  for (const render::Camera& camera : views) {
+    const auto cut = scene.settle(camera);
+    if (!cut) return tl::unexpected(cut.error());
+    const auto baked = StaticScene::bake(*gl, scene, *cut);
+    if (!baked) return tl::unexpected(baked.error());
+    double best_scene = std::numeric_limits<double>::infinity();
+    double best_static = best_scene;
+    for (int i = 0; i < o.repeats; ++i) {
+      best_scene = std::min(best_scene, seconds_of(*gl, [&] {
+                              const render::LodCut again = scene.update(camera);
+                              triangles += i == 0 ? scene.draw(*target, camera, again, {}).triangles
+                                                  : 0 * scene.draw(*target, camera, again, {}).triangles;
+                            }));
+      best_static =
+          std::min(best_static, seconds_of(*gl, [&] { (*baked)->draw(scene.renderer(), *target, camera); }));
+    }
+    scene_seconds += best_scene;
+    static_seconds += best_static;
+  }
+  const auto count = static_cast<double>(views.size());
+  return nlohmann::json{{"renderer", gl->renderer},
+                        {"triangles_per_frame", static_cast<double>(triangles) / count},
+                        {"scene_seconds", scene_seconds / count},
+                        {"static_seconds", static_seconds / count},
+                        {"ratio", scene_seconds / static_seconds}};
+}
+
+Expected<nlohmann::json> against_surface(const cache::TileStore& store, const std::vector<render::Camera>& views,
+                                         const Options& o) {
+  auto source = cache::RasterSource::open({o.dem}, store.manifest().nodata);
+  if (!source) return tl::unexpected(source.error());
+  const audit::AuditContext context{store, *source, [](std::int64_t) { return true; }};
+  audit::ImageOptions options;
+  options.width_px = o.width_px;
+  options.height_px = o.height_px;
+  std::vector<audit::Violation> violations;
+  const auto choose = [&](double) {
+    std::vector<audit::Viewpoint> out;
+    for (const render::Camera& c : views) out.push_back({fmt::format("frame {}", out.size()), c});
+    return out;
+  };
+  const auto report = audit::audit_views(context, options, choose, violations);
+  if (!report) return tl::unexpected(report.error());
+  std::uint64_t cracks = 0, silhouette = 0;
+  double shift = 0, share = 0, drawn = 0, limit = 0;
+  for (const audit::ViewReport& v : report->views) {
+    cracks += v.crack_px;
+    silhouette += v.silhouette_px;
+    shift = std::max(shift, v.shift_max_px);
+    share = std::max(share, v.shift_max_px / v.limit_px);
+    drawn = std::max(drawn, v.drawn_max_px);
+    limit = std::max(limit, v.limit_px);
+  }
+  return nlohmann::json{{"views", report->views.size()},     {"crack_px", cracks},  {"silhouette_px", silhouette},
+                        {"shift_max_px", shift},             {"limit_px", limit},   {"shift_of_limit", share},
+                        {"drawn_max_px", drawn},             {"violations", violations.size()}};
+}
+
+Expected<void> run(const Options& o) {
+  const auto store = cache::TileStore::open(o.tree);
+  if (!store) return tl::unexpected(store.error());
+  const auto flight = render::Flight::load(o.flight);
+  if (!flight) return tl::unexpected(flight.error());
+  const auto views = cameras(*flight, o);
+  const auto cost = against_static(*store, views, o);
+  if (!cost) return tl::unexpected(cost.error());
+  nlohmann::json out{{"cost", *cost}};
+  if (!o.dem.empty()) {
+    const auto image = against_surface(*store, views, o);
+    if (!image) return tl::unexpected(image.error());
+    out["image"] = *image;
+  }
+  fmt::print("{}\n", out.dump());
+  return {};
+}
+
+}  // namespace
+}  // namespace tintree::bench
+
+int main(int argc, char** argv) {
+  using namespace tintree;
+  bench::Options o;
+  CLI::App app{"Every Nth view of a flight against the surface and against a static buffer.", "bench_view"};
+  app.add_option("TREE", o.tree)->required();
+  app.add_option("--flight", o.flight)->required();
+  app.add_option("--dem", o.dem, "Compare pictures with this DEM too");
+  app.add_option("--headless", o.headless)->check(CLI::IsMember({"osmesa", "egl"}));
+  app.add_option("--fps", o.fps);
+  app.add_option("--every", o.every)->check(CLI::PositiveNumber);
+  app.add_option("--width", o.width_px);
+  app.add_option("--height", o.height_px);
+  return app::run_program(app, argc, argv, [&] { return bench::run(o); });
+}

@@ -1,0 +1,114 @@
+#include "render/prefetch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "tests/render/analytic_tree.h"
+
+namespace tintree::render {
+namespace {
+
+TEST(CameraTrail, GoesOnAsItWent) {
+  CameraTrail trail;
+  Camera c;
+  for (int i = 0; i <= 20; ++i) {
+    c.eye = {10.0 * i, -3.0 * i, 500};
+    c.target = c.eye + glm::dvec3(0, 100, -20);
+    trail.add(7 + 0.1 * i, c);
+  }
+  const Camera ahead = trail.ahead(2);
+  EXPECT_NEAR(glm::distance(ahead.eye, c.eye + glm::dvec3(200, -60, 0)), 0, 1e-6);
+  EXPECT_NEAR(glm::distance(ahead.target - ahead.eye, glm::dvec3(0, 100, -20)), 0, 1e-6);
+}
+
+TEST(CameraTrail, OnePlaceOrAJumpOfTheClockGivesNoVelocity) {
+  CameraTrail trail;
+  Camera c;
+  c.eye = {1, 2, 3};
+  trail.add(0, c);
+  EXPECT_EQ(trail.ahead(5).eye, c.eye);
+  c.eye = {1000, 2, 3};
+  for (const double seconds : {100.0, 100.0, 3.0}) {  // A pause, no time at all, and back.
+    trail.add(seconds, c);
+    EXPECT_EQ(trail.ahead(5).eye, c.eye) << seconds;
+  }
+}
+
+class PrefetchTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    test::AnalyticTree tree;
+    tree.columns = tree.rows = 513;
+    tree.tile_cells = 16;
+    bounds_ = tree.bounds();
+  }
+
+  static Camera camera(double azimuth) {
+    Camera c;
+    c.eye = {1500, -1400, 260};
+    c.target = c.eye + glm::dvec3(std::sin(azimuth), std::cos(azimuth), -0.4);
+    return c;
+  }
+
+  static std::vector<cache::TileRef> ahead(const Camera& c, const std::set<std::uint32_t>& here, std::size_t most) {
+    const std::array<const cache::TileBounds*, 1> trees{&bounds_};
+    const auto states = [&](std::uint32_t, std::uint32_t n) {
+      return here.contains(n) ? TileState::kResident : TileState::kMissing;
+    };
+    return prefetch(trees, c, {8}, states, most);
+  }
+
+  static std::uint32_t node(const cache::TileRef& t) { return static_cast<std::uint32_t>(bounds_.find(t.id)); }
+
+  inline static cache::TileBounds bounds_;
+};
+
+// Once all of it is there, the eye may turn as it likes: whatever it wants is there, or something finer.
+TEST_F(PrefetchTest, HasWhatTheEyeWantsInEveryDirection) {
+  std::set<std::uint32_t> here;
+  for (const cache::TileRef& t : ahead(camera(0), here, 100000)) here.insert(node(t));
+  EXPECT_GT(here.size(), 30U);
+  EXPECT_LT(here.size(), bounds_.nodes().size() / 2);
+  for (int turn = 0; turn < 16; ++turn) {
+    const LodCut cut =
+        lod_cut(bounds_, camera(turn * std::numbers::pi / 8), {8}, [&](std::uint32_t n) { return here.contains(n); });
+    EXPECT_FALSE(cut.draws.empty());
+    for (const cache::TileRef& missing : cut.requests) {
+      // Seen at a slant the vertical counts for less: a coarser tile than prefetched may do.
+      std::function<bool(std::uint32_t)> covered = [&](std::uint32_t n) {
+        if (here.contains(n)) return true;
+        const cache::TileNode& at = bounds_.nodes()[n];
+        for (int i = 0; i < std::popcount(at.child_mask); ++i) {
+          if (!covered(at.first_child + static_cast<std::uint32_t>(i))) return false;
+        }
+        return at.child_mask != 0;
+      };
+      EXPECT_TRUE(covered(node(missing))) << missing.id.text();
+    }
+  }
+}
+
+TEST_F(PrefetchTest, NamesWhatIsMissingAndMostNeededFirst) {
+  const auto all = ahead(camera(1), {}, 100000);
+  const auto some = ahead(camera(1), {}, 10);
+  ASSERT_EQ(some.size(), 10U);
+  EXPECT_TRUE(std::ranges::equal(some, std::span(all).first(10)));
+  const std::set<std::uint32_t> here{node(all[0]), node(all[3])};
+  const auto rest = ahead(camera(1), here, 100000);
+  EXPECT_EQ(rest.size(), all.size() - 2);
+  for (const cache::TileRef& t : rest) EXPECT_FALSE(here.contains(node(t)));
+  const auto distance = [](const cache::TileRef& t) {
+    const cache::Box b = bounds_.box(bounds_.nodes()[node(t)]);
+    return glm::distance(glm::dvec2((b.min[0] + b.max[0]) / 2, (b.min[1] + b.max[1]) / 2), glm::dvec2(1500, -1400));
+  };
+  EXPECT_LT(distance(all.front()), distance(all.back()));
+}
+
+}  // namespace
+}  // namespace tintree::render
