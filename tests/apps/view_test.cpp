@@ -91,10 +91,6 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheCommandLine) {
                                                                                       {"--pixel-error", "-1"},
                                                                                       {"--pixel-error", "many"},
                                                                                       {"--gpu-memory", "0"},
-                                                                                      {"--show", "heights"},
-                                                                                      {"--sun", "315"},
-                                                                                      {"--sun", "315,91"},
-                                                                                      {"--sun", "north,30"},
                                                                                       {"--headless", "glx"}}) {
     std::vector<std::string> arguments = option == "--headless" ? std::vector<std::string>{tree_} : base;
     arguments.insert(arguments.end(), {option, value});
@@ -230,6 +226,12 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheFlight) {
   expect_failure(with({"--screenshot", dir_.file("f.png")}), 2, "--screenshot");
   expect_failure(with({"--frames", tree_}), 4, tree_);
   expect_failure(view({tree_, "--headless", "osmesa", "--frames", dir_.file("f")}), 2, "--frames");
+}
+
+TEST_F(ViewProgram, SaysThatOpenGlIsTooOld) {
+  const auto r =
+      test::run_program("/usr/bin/env", {"MESA_GL_VERSION_OVERRIDE=2.1", TINTREE_VIEW, tree_, "--headless", "osmesa"});
+  expect_failure(r, 4, "OpenGL 3.3");
 }
 
 TEST_F(ViewProgram, WithoutADisplaySaysWhatToDo) { expect_failure(view({tree_}), 4, "--headless osmesa"); }
