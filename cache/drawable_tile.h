@@ -76,7 +76,7 @@ struct DrawableTile {
   std::uint32_t surface_triangles = 0;
   std::optional<MorphMesh> morph;            ///< None for a tile that does not morph.
   std::shared_ptr<const Occluder> occluder;  ///< What the surface hides; never null.
-  TilePictures pictures;  ///< make_drawable() leaves them out.
+  TilePictures pictures;                     ///< make_drawable() leaves them out.
 
   std::size_t index_count() const { return indices.size() + wide_indices.size(); }
   std::uint32_t index(std::size_t i) const { return indices.empty() ? wide_indices[i] : indices[i]; }

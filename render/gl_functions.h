@@ -22,6 +22,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                             \
   X(PFNGLBINDTEXTUREPROC, BindTexture)                                       \
   X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                               \
+  X(PFNGLBLENDFUNCPROC, BlendFunc)                                           \
   X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                               \
   X(PFNGLBUFFERDATAPROC, BufferData)                                         \
   X(PFNGLBUFFERSUBDATAPROC, BufferSubData)                                   \
@@ -77,6 +78,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLUNIFORM1FPROC, Uniform1f)                                           \
   X(PFNGLUNIFORM1IPROC, Uniform1i)                                           \
   X(PFNGLUNIFORM3FPROC, Uniform3f)                                           \
+  X(PFNGLUNIFORM4FPROC, Uniform4f)                                           \
   X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                             \
   X(PFNGLUSEPROGRAMPROC, UseProgram)                                         \
   X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)                     \

@@ -132,6 +132,7 @@ DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, Tr
   const GLint tile_share = terrain_.uniform("tile_share");
   const GLint normal_mapped = terrain_.uniform("normal_mapped");
   const GLint morph = terrain_.uniform("morph");
+  const GLint tile_tint_at = terrain_.uniform("tile_tint");
   GLuint bound = 0;
   for (const DrawTile& d : cut.draws) {
     const GpuTile* tile = pool.use({trees[d.tree]->nodes()[d.node].id, d.tree});
@@ -143,6 +144,8 @@ DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, Tr
     set(*gl_, tile_share, std::ldexp(1.0, tile->frame.xy_shift) / across);
     gl_->Uniform1i(normal_mapped, tile->pictures.directions != 0 ? 1 : 0);
     pool.textures().bind(tile->pictures);
+    const glm::vec4 tint = tile_tint(style.tint, tree.nodes()[d.node], d, style.allowed_px);
+    gl_->Uniform4f(tile_tint_at, tint.r, tint.g, tint.b, tint.a);
     const bool morphs = d.morph > 0 && tile->morph.vertex_array != 0;
     const GLuint array = morphs ? tile->morph.vertex_array : tile->vertex_array;
     if (std::exchange(bound, array) != array) gl_->BindVertexArray(array);

@@ -13,6 +13,7 @@
 #include "render/lod_cut.h"
 #include "render/offscreen_target.h"
 #include "render/shader_program.h"
+#include "render/tile_tint.h"
 
 namespace tintree::render {
 
@@ -22,6 +23,8 @@ struct Style {
   double sun_elevation_rad = 0.5934119456780721;  ///< Above the horizon: 34 degrees.
   /// One sRGB colour (0 to 1) behind the ground, without haze before it; without it, a sky.
   std::optional<glm::vec3> background;
+  Tint tint = Tint::kHeight;
+  double allowed_px = 1;  ///< What Tint::kError measures errors by.
   bool wireframe = false;
   bool skirts = true;  ///< Off only to see the gaps that they fill.
 };

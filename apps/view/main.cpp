@@ -49,6 +49,8 @@ int main(int argc, char** argv) {
   app.add_option("--screenshot", line.screenshot, "Write a PNG once all its tiles are there, and end");
   app.add_option("--eye", line.eye, "X,Y,Z of the eye: metres east, north and up of the DEM's upper-left sample");
   app.add_option("--target", line.target, "X,Y,Z of the picture's middle");
+  app.add_option("--show", line.show, "levels or error (by colour), triangles, boxes; may be given several times");
+  app.add_option("--sun", line.sun, "AZIMUTH,ELEVATION of the sun, degrees (315,34)");
   app.add_option("--flight", line.flight, "Fly through the keyframes of this JSON file");
   app.add_option("--frames", line.frames, "Write every frame of the flight into this folder as frame-NNNNNN.png");
   app.add_option("--fps", line.fps, "Frames a second of the flight")->capture_default_str();

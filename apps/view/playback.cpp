@@ -84,7 +84,7 @@ class Playback {
       if (!cut) return tl::unexpected(cut.error());
       frame.cut = std::move(*cut);
     }
-    frame.drawn = scene_.draw(target_, camera, frame.cut, {});
+    frame.drawn = scene_.draw(target_, camera, frame.cut, options_.style);
     gl_.Finish();
     frame.seconds = seconds_since(begun);
     frame.stats = scene_.frame_stats();

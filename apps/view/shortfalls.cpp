@@ -7,13 +7,15 @@
 
 namespace tintree::view {
 
+std::string too_little_memory(const ViewOptions& options) {
+  return fmt::format("{} MiB are too few for this view; parts of it are drawn coarser, more memory draws them finer",
+                     options.gpu_bytes >> 20);
+}
+
 void Shortfalls::note(render::TerrainScene& scene, const ViewOptions& options) {
   for (Error& e : scene.take_errors()) lost_.push_back(std::move(e));
   if (!scene.frame_stats().gpu_memory_full || std::exchange(told_of_memory_, true)) return;
-  fmt::print(stderr,
-             "tintree-view: --gpu-memory: {} MiB are too few for this view; parts of it are drawn coarser, more memory "
-             "draws them finer\n",
-             options.gpu_bytes >> 20);
+  fmt::print(stderr, "tintree-view: --gpu-memory: {}\n", too_little_memory(options));
 }
 
 Expected<void> Shortfalls::outcome() const {

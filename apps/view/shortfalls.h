@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "apps/view/view_options.h"
@@ -7,6 +8,9 @@
 #include "render/terrain_scene.h"
 
 namespace tintree::view {
+
+/// What to say where the graphics memory is too small for a view.
+std::string too_little_memory(const ViewOptions& options);
 
 /// What kept the pictures of a run from being whole.
 class Shortfalls {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/common/json_file.h"
+#include "apps/view/debug_lines.h"
 #include "apps/view/picture_file.h"
 #include "apps/view/shortfalls.h"
 #include "render/terrain_scene.h"
@@ -85,6 +86,9 @@ Expected<void> draw_still(const render::GlFunctions& gl, render::TerrainScene::S
   const auto camera = first_camera(options, (*scene)->trees());
   if (!camera) return tl::unexpected(camera.error());
 
+  const auto lines = render::LineDrawer::create(gl);
+  if (!lines) return tl::unexpected(lines.error());
+
   Figures figures;
   const auto loading = Clock::now();
   auto cut = (*scene)->settle(*camera);
@@ -93,13 +97,19 @@ Expected<void> draw_still(const render::GlFunctions& gl, render::TerrainScene::S
   shortfalls.note(**scene, options);
   figures.cut = std::move(*cut);
   figures.load_seconds = seconds_since(loading);
+  render::Style style = options.style;
+  style.allowed_px = options.pixel_error;
   gl.Finish();
   const auto drawing = Clock::now();
-  figures.drawn = (*scene)->draw(*target, *camera, figures.cut, {});
+  figures.drawn = (*scene)->draw(*target, *camera, figures.cut, style);
   gl.Finish();
   figures.frame_seconds = seconds_since(drawing);
   if (!options.json.empty())
-    figures.redraw_cpu_seconds = redraw_cpu_seconds(gl, [&] { (*scene)->draw(*target, *camera, figures.cut, {}); });
+    figures.redraw_cpu_seconds = redraw_cpu_seconds(gl, [&] { (*scene)->draw(*target, *camera, figures.cut, style); });
+  if (options.boxes) {
+    const auto boxes = box_lines((*scene)->trees(), figures.cut);
+    lines->draw(*target, *camera, (*scene)->renderer().near_m(figures.cut), boxes);
+  }
   if (!options.screenshot.empty()) {
     if (auto written = write_png(options.screenshot, target->read_picture()); !written) return written;
   }

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -75,6 +76,37 @@ void add_outline(const cache::TileBounds& bounds, std::vector<glm::dvec3>& corne
   }
 }
 
+Expected<void> read_sun(std::string_view text, render::Style& out) {
+  if (text.empty()) return {};
+  double azimuth = 0;
+  double elevation = 0;
+  const bool read = take_number(text, azimuth) && take(text, ',') && take_number(text, elevation) && text.empty();
+  if (!read || !(azimuth >= -360 && azimuth <= 360) || !(elevation >= 0 && elevation <= 90)) {
+    return fail(ErrorCode::kUsage, "wants AZIMUTH,ELEVATION in degrees, clockwise from north and 0 to 90, as in 315,34",
+                "--sun");
+  }
+  out.sun_azimuth_rad = azimuth * std::numbers::pi / 180;
+  out.sun_elevation_rad = elevation * std::numbers::pi / 180;
+  return {};
+}
+
+Expected<void> read_show(std::span<const std::string> names, ViewOptions& out) {
+  for (const std::string& name : names) {
+    if (name == "levels") {
+      out.style.tint = render::Tint::kLevel;
+    } else if (name == "error") {
+      out.style.tint = render::Tint::kError;
+    } else if (name == "triangles") {
+      out.style.wireframe = true;
+    } else if (name == "boxes") {
+      out.boxes = true;
+    } else {
+      return fail(ErrorCode::kUsage, "wants levels, error, triangles or boxes", "--show");
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<ViewOptions> read_options(const CommandLine& line) {
@@ -105,6 +137,8 @@ Expected<ViewOptions> read_options(const CommandLine& line) {
   if (line.headless == "egl") out.headless = render::Headless::kEgl;
   if (line.headless == "osmesa") out.headless = render::Headless::kOsMesa;
   if (!line.headless.empty() && !out.headless) return fail(ErrorCode::kUsage, "wants egl or osmesa", "--headless");
+  if (auto read = read_show(line.show, out); !read) return tl::unexpected(read.error());
+  if (auto read = read_sun(line.sun, out.style); !read) return tl::unexpected(read.error());
   if (auto read = read_size(line.size, out); !read) return tl::unexpected(read.error());
   auto eye = read_point(line.eye, "--eye");
   if (!eye) return tl::unexpected(eye.error());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "render/camera.h"
 #include "render/gl_context.h"
 #include "render/lod_cut.h"
+#include "render/renderer.h"
 
 namespace tintree::view {
 
@@ -21,6 +23,8 @@ struct CommandLine {
   std::string screenshot;
   std::string eye;  ///< "X,Y,Z"
   std::string target;
+  std::vector<std::string> show;
+  std::string sun;  ///< "AZIMUTH,ELEVATION"
   std::string flight;
   std::string frames;
   double fps = 30;
@@ -40,6 +44,8 @@ struct ViewOptions {
   std::string screenshot;                    ///< Path of a picture to write; empty for none.
   std::optional<glm::dvec3> eye;             ///< World frame, metres.
   std::optional<glm::dvec3> target;
+  render::Style style;
+  bool boxes = false;  ///< Show the tiles' boxes.
   std::string flight;  ///< Path of a flight to play; empty for none.
   std::string frames;  ///< Folder for its frames; empty for none.
   double fps = 30;

@@ -7,6 +7,7 @@ in vec2 on_tile;               // 0 to 1 eastward and southward
 
 uniform vec3 to_sun;           // unit vector
 uniform float relief;          // metres from the lowest ground to the highest: the range of the tint
+uniform vec4 tile_tint;        // sRGB colour of the tile in place of the ground's own, and how much of it
 uniform float haze_begin;      // metres from the eye
 uniform float haze_per_metre;
 uniform sampler2D photo;              // light, times what of it a photo covers; and that share
@@ -52,6 +53,7 @@ void main() {
   vec3 albedo = hypsometric(clamp(rise / relief, 0.0, 1.0));
   // Little grows on steep ground.
   albedo = mix(to_linear(vec3(0.52, 0.47, 0.43)), albedo, smoothstep(0.45, 0.85, abs(n.z)));
+  albedo = mix(albedo, to_linear(tile_tint.rgb), tile_tint.a);
 
   vec4 seen = texture(photo, place_in(photo));
   albedo = seen.rgb + (1.0 - seen.a) * albedo;

@@ -5,12 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "cache/tile_store.h"
-#include "apps/view/navigation.h"
 #include "tests/render/analytic_tree.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temp_dir.h"
@@ -230,70 +228,17 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheFlight) {
   expect_failure(view({tree_, "--headless", "osmesa", "--frames", dir_.file("f")}), 2, "--frames");
 }
 
+TEST_F(ViewProgram, SaysThatOpenGlIsTooOld) {
+  const auto r =
+      test::run_program("/usr/bin/env", {"MESA_GL_VERSION_OVERRIDE=2.1", TINTREE_VIEW, tree_, "--headless", "osmesa"});
+  expect_failure(r, 4, "OpenGL 3.3");
+}
+
 TEST_F(ViewProgram, WithoutADisplaySaysWhatToDo) { expect_failure(view({tree_}), 4, "--headless osmesa"); }
 
 TEST_F(ViewProgram, SaysWhenThePictureCannotBeWritten) {
   const std::string png = dir_.file("no/such/folder.png");
   expect_failure(view({tree_, "--headless", "osmesa", "--screenshot", png}), 4, png);
-}
-
-render::Camera looking(const glm::dvec3& eye, const glm::dvec3& target) {
-  render::Camera c;
-  c.eye = eye;
-  c.target = target;
-  return c;
-}
-
-TEST(Navigation, OrbitKeepsTargetAndDistance) {
-  const render::Camera c = looking({1000, -4000, 3000}, {500, -500, 100});
-  const render::Camera turned = orbit(c, 100, -40);
-  EXPECT_EQ(turned.target, c.target);
-  EXPECT_NEAR(glm::distance(turned.eye, turned.target), glm::distance(c.eye, c.target), 1e-6);
-  EXPECT_NEAR(glm::distance(orbit(c, 0, 0).eye, c.eye), 0, 1e-6);
-  EXPECT_NEAR(glm::distance(orbit(turned, -100, 40).eye, c.eye), 0, 1e-6);
-  // Half a turn for the picture's width.
-  const render::Camera half = orbit(c, c.width_px, 0);
-  EXPECT_NEAR(half.eye.x - c.target.x, c.target.x - c.eye.x, 1e-6);
-  EXPECT_LE(orbit(c, 0, 1e6).eye.z, c.target.z + glm::distance(c.eye, c.target));
-  EXPECT_GT(orbit(c, 0, 1e6).axes().up.y, 0);  // Never over the top.
-}
-
-TEST(Navigation, DraggingRightTurnsTheGroundRight) {
-  const render::Camera c = looking({0, -1000, 500}, {0, 0, 0});
-  const render::Camera turned = orbit(c, 50, 0);
-  const glm::dvec3 front(0, -100, 0);  // Between the eye and the target.
-  EXPECT_GT(glm::dot(front - turned.eye, turned.axes().right), 0);
-}
-
-TEST(Navigation, PanCarriesTheTargetWithTheMouse) {
-  const render::Camera c = looking({0, -1000, 500}, {0, 0, 0});
-  const render::Camera moved = pan(c, 100, 0);
-  EXPECT_LT(moved.target.x, 0);
-  EXPECT_EQ(moved.target.z, 0);
-  const glm::dvec3 before = c.target - moved.eye;
-  const double x_px = glm::dot(before, moved.axes().right) / glm::dot(before, moved.axes().forward) * moved.focal_px();
-  EXPECT_NEAR(x_px, 100, 1e-6);
-  EXPECT_GT(pan(c, 0, 50).target.y, 0);
-}
-
-TEST(Navigation, ZoomKeepsThePointUnderTheCursor) {
-  const NavigationLimits limits{1, 1e6};
-  const render::Camera c = looking({0, -1000, 500}, {0, 0, 0});
-  const glm::dvec3 p = c.eye + c.ray(900, 500) * 800.0;
-  const render::Camera nearer = zoom(c, p, 0.5, limits);
-  EXPECT_NEAR(glm::distance(nearer.eye, p), 0.5 * glm::distance(c.eye, p), 1e-9);
-  const glm::dvec3 before = glm::normalize(p - c.eye);
-  EXPECT_NEAR(glm::distance(glm::normalize(p - nearer.eye), before), 0, 1e-12);
-  EXPECT_NEAR(glm::distance(nearer.axes().forward, c.axes().forward), 0, 1e-12);
-  EXPECT_NEAR(glm::distance(zoom(c, p, 1e-9, limits).eye, zoom(c, p, 1e-9, limits).target), 1, 1e-6);
-}
-
-TEST(Navigation, FindsThePointUnderTheCursor) {
-  const render::Camera c = looking({0, -1000, 500}, {0, 0, 0});
-  EXPECT_NEAR(point_under(c, 300, 600, std::nullopt).z, 0, 1e-9);
-  EXPECT_EQ(point_under(c, 300, 600, 10.0), c.eye + c.ray(300, 600) * 10.0);
-  const render::Camera level = looking({0, -1000, 500}, {0, 0, 500});
-  EXPECT_EQ(point_under(level, 640, 100, std::nullopt), level.target);
 }
 
 }  // namespace
