@@ -81,6 +81,8 @@ int main(int argc, char** argv) {
       << ", static_cast<float>(" << scaled(face->max_advance_width) << "), static_cast<float>(" << ascent
       << "), static_cast<float>(" << scaled(face->height)
       << "), kDistances};\n  return kFont;\n}\n\n}  // namespace tintree::render\n";
+  FT_Done_Face(face);
+  FT_Done_FreeType(library);
   out.close();
   return out ? 0 : 1;
 }
