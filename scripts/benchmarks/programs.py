@@ -30,6 +30,11 @@ class Cost:
         return json.loads(self.output.splitlines()[-1])
 
 
+def cpu_name():
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    return next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.machine())
+
+
 def shown(part):
     """A command's part as one would type it in the repository."""
     path = Path(part)
