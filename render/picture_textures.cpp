@@ -87,7 +87,7 @@ GLuint PictureTextures::make(const PixelArray& pixels) const {
   gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
   gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-  if (gl_->anisotropic) gl_->TexParameterf(GL_TEXTURE_2D, kMaxAnisotropy, kAnisotropy);
+  if (gl_->anisotropic && pixels.size > 1) gl_->TexParameterf(GL_TEXTURE_2D, kMaxAnisotropy, kAnisotropy);
   fill(pixels, true);
   return id;
 }

@@ -35,8 +35,6 @@ class PictureTextures {
   /// Binds a tile's pictures to the units 0 (colours), 1 (directions) and 2 (lengths); in place of those it lacks
   /// no colour, upright normals and unit lengths.
   void bind(const GpuPictures& pictures) const;
-  /// What bind() binds for a tile without colours.
-  static constexpr int kUnits = 3;
 
  private:
   using Kind = std::pair<codec::PixelFormat, int>;  ///< Format and size.

@@ -55,8 +55,11 @@ void main() {
   albedo = mix(to_linear(vec3(0.52, 0.47, 0.43)), albedo, smoothstep(0.45, 0.85, abs(n.z)));
   albedo = mix(albedo, to_linear(tile_tint.rgb), tile_tint.a);
 
-  vec4 seen = texture(photo, place_in(photo));
-  albedo = seen.rgb + (1.0 - seen.a) * albedo;
+  // A single texel stands for no photo at all.
+  if (textureSize(photo, 0).x > 1) {
+    vec4 seen = texture(photo, place_in(photo));
+    albedo = seen.rgb + (1.0 - seen.a) * albedo;
+  }
 
   const vec3 kSun = vec3(1.45, 1.36, 1.20);
   const vec3 kSky = vec3(0.17, 0.21, 0.28);
