@@ -57,14 +57,16 @@ void EdgeCollapse::run(HalfEdgeMesh& mesh, SurfaceDistance& distance, const Coll
   }
 }
 
+/// The start mesh's vertices lie at samples. Its triangles count as they would at the samples' own heights: rounded to
+/// the lattice, those of a cell or two would point anywhere.
 void EdgeCollapse::init_quadrics() {
   quadrics_.assign(mesh_->vertices.size(), {});
   for (std::int32_t h = 0; h < mesh_->half_edge_count(); h += 3) {
     if (!mesh_->triangle_alive(h)) continue;
     const std::int32_t corners[3] = {mesh_->origin(h), mesh_->origin(h + 1), mesh_->origin(h + 2)};
-    const Point p = fit_->point(mesh_->vertex(corners[0]));
-    const Point q = fit_->point(mesh_->vertex(corners[1]));
-    const Point r = fit_->point(mesh_->vertex(corners[2]));
+    const Point p = fit_->on_surface(mesh_->vertex(corners[0]));
+    const Point q = fit_->on_surface(mesh_->vertex(corners[1]));
+    const Point r = fit_->on_surface(mesh_->vertex(corners[2]));
     const double d = (q.x - p.x) * (r.y - p.y) - (r.x - p.x) * (q.y - p.y);
     const double a = ((q.z - p.z) * (r.y - p.y) - (r.z - p.z) * (q.y - p.y)) / d;
     const double b = ((q.x - p.x) * (r.z - p.z) - (r.x - p.x) * (q.z - p.z)) / d;

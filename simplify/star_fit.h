@@ -44,6 +44,11 @@ class StarFit {
   /// The place of a vertex in samples and metres.
   Point point(const LatticeVertex& v) const { return {v.x * lattice_, v.y * lattice_, v.z * spec_.z_step_m}; }
 
+  /// The place of the surface above or below a vertex.
+  Point on_surface(const LatticeVertex& v) const {
+    return {v.x * lattice_, v.y * lattice_, distance_->surface().height_at(v.x * lattice_, v.y * lattice_)};
+  }
+
   /// Whether all triangles of a star with its hub at this place are counter-clockwise seen from above.
   bool unfolded(const LatticeVertex& hub, const Ring& ring) const;
   /// The heights of the hub, at its x and y, that keep its star within `share` of the bounds.

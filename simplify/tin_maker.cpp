@@ -66,7 +66,7 @@ void TinMaker::refine_lattice(int sub_bits) {
   }
 }
 
-/// Repeats a side's settled collapses in this tile's half of the ribbon. `side` is relative to the tile.
+/// Repeats what has settled a side in this tile's half of the ribbon. `side` is relative to the tile.
 void TinMaker::settle_side(RightTriangleMesh& start, const Side& side, const LevelGrid& level,
                            const codec::TileId& id) {
   std::vector<std::int32_t> vertex_at(static_cast<std::size_t>(side.cells) + 1, kNone);
@@ -77,22 +77,41 @@ void TinMaker::settle_side(RightTriangleMesh& start, const Side& side, const Lev
   }
   const Side in_dem{side.column + std::int64_t{id.x} * side.cells, side.row + std::int64_t{id.y} * side.cells,
                     side.cells, side.southward};
-  for (const RibbonStep& step : ribbon_.settle(view_, start, in_dem, level)) {
+  const RibbonPlan plan = ribbon_.settle(view_, start, in_dem, level);
+  for (const RibbonFlip& flip : plan.flips) {
+    const std::int32_t near = vertex_at[at(flip.index)];
+    if (near != kNone) repeat(flip, near, side);
+  }
+  for (const RibbonStep& step : plan.steps) {
     const std::int32_t gone = vertex_at[at(step.index)];
-    if (gone == kNone || !mesh_.alive(gone)) continue;
-    // The neighbour along the side is one end of the fan of triangles on this side of the line.
-    const std::int32_t first = mesh_.outgoing(gone);
-    const std::int32_t last = mesh_.last_outgoing(gone);
-    for (const std::int32_t h : {first, HalfEdgeMesh::previous(last)}) {
-      const std::int32_t kept = h == first ? mesh_.target(h) : mesh_.origin(h);
-      const LatticeVertex& from = mesh_.vertices[at(gone)];
-      LatticeVertex& to = mesh_.vertices[at(kept)];
-      const bool ahead = side.along(to) > side.along(from);
-      if (side.across(to) != side.across(from) || ahead != (step.towards > 0)) continue;
-      to.z = step.z;
-      mesh_.collapse(h, kept);
-      break;
-    }
+    if (gone != kNone && mesh_.alive(gone)) repeat(step, gone, side);
+  }
+}
+
+/// Flips the edge of `near` that leads there; on one side of the line alone there is one.
+void TinMaker::repeat(const RibbonFlip& flip, std::int32_t near, const Side& side) {
+  const std::int32_t start = mesh_.outgoing(near);
+  for (std::int32_t h = start; h != kNone;) {
+    const LatticeVertex& far = mesh_.vertex(mesh_.target(h));
+    if (far.x - side.column == flip.far.x && far.y - side.row == flip.far.y) return mesh_.flip(h);
+    const std::int32_t following = mesh_.rotate(h);
+    h = following == start ? kNone : following;
+  }
+}
+
+void TinMaker::repeat(const RibbonStep& step, std::int32_t gone, const Side& side) {
+  // The neighbour along the side is one end of the fan of triangles on this side of the line.
+  const std::int32_t first = mesh_.outgoing(gone);
+  const std::int32_t last = mesh_.last_outgoing(gone);
+  for (const std::int32_t h : {first, HalfEdgeMesh::previous(last)}) {
+    const std::int32_t kept = h == first ? mesh_.target(h) : mesh_.origin(h);
+    const LatticeVertex& from = mesh_.vertices[at(gone)];
+    LatticeVertex& to = mesh_.vertices[at(kept)];
+    const bool ahead = side.along(to) > side.along(from);
+    if (side.across(to) != side.across(from) || ahead != (step.towards > 0)) continue;
+    to.z = step.z;
+    mesh_.collapse(h, kept);
+    return;
   }
 }
 
