@@ -25,7 +25,8 @@ bool BorderRibbon::may_slide(std::int32_t vertex, const Side& side) const {
   return along == 1 && on_line(mesh_.target(start)) && last_along;
 }
 
-void BorderRibbon::build(RightTriangleMesh& start, const Side& side) {
+/// Returns the lattice that the heights count on.
+HeightLattice BorderRibbon::build(RightTriangleMesh& start, const Side& side) {
   std::array<bool, 2> open_ends{};
   StartMesh band = start.band(side, open_ends);
   const std::size_t samples = band.vertices.size();
@@ -45,6 +46,7 @@ void BorderRibbon::build(RightTriangleMesh& start, const Side& side) {
     if (side.across(p) != 0 || u == 0 || u == side.cells || !mesh_.alive(v)) continue;
     if (std::ranges::find(held, u) == held.end() && may_slide(v, side)) mesh_.kinds[i] = VertexKind::kSlide;
   }
+  return band.heights;
 }
 
 /// An edge that leads from a vertex of the line into a notch of the rim and may be flipped; kNone when there is none.
@@ -81,8 +83,8 @@ std::vector<RibbonFlip> BorderRibbon::cut_notches(const Side& side, StarFit& fit
 }
 
 RibbonPlan BorderRibbon::settle(SurfaceView& view, RightTriangleMesh& start, const Side& side, const LevelGrid& level) {
-  build(start, side);
   CollapseSpec spec;
+  spec.heights = build(start, side);
   const std::int64_t across = side.southward ? 0 : side.cells;
   const std::int64_t down = side.southward ? side.cells : 0;
   // The band reaches one square to either side.
@@ -94,7 +96,6 @@ RibbonPlan BorderRibbon::settle(SurfaceView& view, RightTriangleMesh& start, con
       level.bound_m);
   spec.line = side.southward ? CollapseSpec::Line::kX : CollapseSpec::Line::kY;
   spec.line_bound_m = spec.bound_m / 2;
-  spec.z_step_m = level.heights.step_m;
   SurfaceDistance distance(view, side.column, side.row);
   StarFit fit(mesh_, distance, spec);
   RibbonPlan plan{cut_notches(side, fit), {}};
@@ -104,7 +105,7 @@ RibbonPlan BorderRibbon::settle(SurfaceView& view, RightTriangleMesh& start, con
   collapse_.run(mesh_, distance, spec, &log);
   plan.steps.reserve(log.size());
   for (const CollapseStep& s : log)
-    plan.steps.push_back({along(s.gone), along(s.kept) > along(s.gone) ? 1 : -1, s.position.z});
+    plan.steps.push_back({along(s.gone), along(s.kept) > along(s.gone) ? 1 : -1, spec.heights.origin + s.position.z});
   return plan;
 }
 

@@ -13,11 +13,11 @@
 namespace tintree::simplify {
 
 /// A vertex of a side that goes: sample `index` along the side merges into the next vertex towards the
-/// side's start (`towards` -1) or end (+1), which then has height address `z`.
+/// side's start (`towards` -1) or end (+1), which then has height address `z`, in steps from height 0.
 struct RibbonStep {
   std::int32_t index;
   std::int32_t towards;
-  std::int32_t z;
+  std::int64_t z;
 
   friend bool operator==(const RibbonStep&, const RibbonStep&) = default;
 };
@@ -51,7 +51,7 @@ class BorderRibbon {
   RibbonPlan settle(SurfaceView& view, RightTriangleMesh& start, const Side& side, const LevelGrid& level);
 
  private:
-  void build(RightTriangleMesh& start, const Side& side);
+  HeightLattice build(RightTriangleMesh& start, const Side& side);
   bool may_slide(std::int32_t vertex, const Side& side) const;
   std::int32_t find_notch(std::int32_t vertex, const Side& side, StarFit& fit);
   std::vector<RibbonFlip> cut_notches(const Side& side, StarFit& fit);

@@ -160,12 +160,12 @@ bool EdgeCollapse::propose(Candidate& candidate) const {
   const double py = candidate.position.y * fit_->lattice();
   candidate.cost = plan.at(px, py);
   if (kept_kind == VertexKind::kLocked) {
-    const double off = to.z * spec_.z_step_m - sum.best_height(px, py);
+    const double off = to.z * spec_.heights.step_m - sum.best_height(px, py);
     candidate.cost += sum.zz * off * off;
   }
   candidate.cost = std::max(candidate.cost, 0.0);
   const double hopeless = spec_.effort == Effort::kBest ? kHopelessToRepair : kHopeless;
-  // Where the bound is tiny beside the heights all costs are rounding.
+  // Where the bound is tiny beside the heights all costs are rounding. A cost that is no number is refused.
   const double rounding = kCostRounding * (sum.one + sum.xx * px * px + sum.yy * py * py);
   return candidate.cost <= hopeless * sum.zz * spec_.bound_m * spec_.bound_m + rounding;
 }
@@ -244,7 +244,7 @@ bool EdgeCollapse::fit_height(Candidate& candidate) {
   Quadric sum = quadrics_[at(candidate.gone)];
   sum += quadrics_[at(candidate.kept)];
   const Point place = fit_->point(candidate.position);
-  const double wished = std::round(sum.best_height(place.x, place.y) / spec_.z_step_m);
+  const double wished = std::round(sum.best_height(place.x, place.y) / spec_.heights.step_m);
   candidate.position.z = static_cast<std::int32_t>(std::clamp<double>(wished, range.lowest, range.highest));
   return true;
 }

@@ -34,7 +34,9 @@ Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
   RightTriangleMesh start(view_, level, column0, row0);
   if (view_.interrupted()) return tl::unexpected(*view_.error());
   StartMesh tile = start.tile();
+  if (view_.interrupted()) return tl::unexpected(*view_.error());
   mesh_.build(std::move(tile.vertices), tile.triangles);
+  heights_ = tile.heights;
   for (const bool southward : {false, true}) {
     for (const std::int64_t offset : {std::int64_t{0}, cells}) {
       settle_side(start, southward ? Side{offset, 0, cells, true} : Side{0, offset, cells, false}, level, id);
@@ -47,7 +49,7 @@ Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
 
   CollapseSpec spec;
   spec.bound_m = tested_bound_m(view_.surface(), layout_.cells(id), level.bound_m);
-  spec.z_step_m = level.heights.step_m;
+  spec.heights = heights_;
   spec.sub_bits = sub_bits;
   spec.effort = effort_;
   const double scale = static_cast<double>(cells) / layout_.tile_cells;
@@ -78,6 +80,8 @@ void TinMaker::settle_side(RightTriangleMesh& start, const Side& side, const Lev
   const Side in_dem{side.column + std::int64_t{id.x} * side.cells, side.row + std::int64_t{id.y} * side.cells,
                     side.cells, side.southward};
   const RibbonPlan plan = ribbon_.settle(view_, start, in_dem, level);
+  // A plan that was cut short may be made for a part of the band.
+  if (view_.interrupted()) return;
   for (const RibbonFlip& flip : plan.flips) {
     const std::int32_t near = vertex_at[at(flip.index)];
     if (near != kNone) repeat(flip, near, side);
@@ -109,7 +113,7 @@ void TinMaker::repeat(const RibbonStep& step, std::int32_t gone, const Side& sid
     LatticeVertex& to = mesh_.vertices[at(kept)];
     const bool ahead = side.along(to) > side.along(from);
     if (side.across(to) != side.across(from) || ahead != (step.towards > 0)) continue;
-    to.z = step.z;
+    to.z = static_cast<std::int32_t>(step.z - heights_.origin);
     mesh_.collapse(h, kept);
     return;
   }
@@ -152,17 +156,17 @@ Expected<codec::TileMesh> TinMaker::take_mesh(const codec::TileId& id, int sub_b
     all_bits |= static_cast<std::uint32_t>(p.x) | static_cast<std::uint32_t>(p.y);
   }
   if (out.vertices.empty()) return out;
-  if (highest - lowest > codec::kMaxHeightAddress) {
+  const std::int64_t relief = std::int64_t{highest} - lowest;
+  if (relief > codec::kMaxHeightAddress) {
     return fail(ErrorCode::kBadData,
                 fmt::format("its relief spans {} height steps, more than the {} of the format; choose an --error at "
                             "least {:.1f} times as large",
-                            highest - lowest, codec::kMaxHeightAddress,
-                            static_cast<double>(highest - lowest) / codec::kMaxHeightAddress),
+                            relief, codec::kMaxHeightAddress, static_cast<double>(relief) / codec::kMaxHeightAddress),
                 "tile " + id.text());
   }
   const int shift = std::countr_zero(all_bits);
   out.xy_shift = shift - sub_bits;
-  out.z_offset = lowest;
+  out.z_offset = heights_.origin + lowest;
   for (codec::GridVertex& v : out.vertices) v = {v.x >> shift, v.y >> shift, v.z - lowest};
   for (std::int32_t h = 0; h < mesh_.half_edge_count(); h += 3) {
     if (!mesh_.triangle_alive(h)) continue;

@@ -30,6 +30,7 @@ class TinMaker final : public TileMaker {
   codec::TreeLayout layout_;
   Effort effort_;
   HalfEdgeMesh mesh_;
+  HeightLattice heights_;  // what its z counts
   EdgeCollapse collapse_;
   BorderRibbon ribbon_;
 };
