@@ -102,8 +102,8 @@ HeightBlocks::HeightBlocks(std::shared_ptr<const RasterSource> source, std::uint
     : source_(std::move(source)),
       columns_(source_->info().columns),
       rows_(source_->info().rows),
-      blocks_x_((columns_ - 1 + kBlockCells - 1) / kBlockCells),
-      blocks_y_((rows_ - 1 + kBlockCells - 1) / kBlockCells),
+      blocks_x_(blocks_along(columns_)),
+      blocks_y_(blocks_along(rows_)),
       cache_(std::make_unique<Cache>(cache_bytes)) {}
 
 HeightBlocks::~HeightBlocks() = default;

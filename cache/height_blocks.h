@@ -50,6 +50,8 @@ class HeightBlocks {
   const RasterSource& source() const { return *source_; }
   std::int64_t columns() const { return columns_; }
   std::int64_t rows() const { return rows_; }
+  /// Blocks over so many samples in a row or column.
+  static std::int64_t blocks_along(std::int64_t samples) { return (samples - 1 + kBlockCells - 1) / kBlockCells; }
   std::int64_t blocks_x() const { return blocks_x_; }
   std::int64_t blocks_y() const { return blocks_y_; }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "cache/scratch_file.h"
 #include "codec/error.h"
 
 namespace tintree::cache {
@@ -19,10 +20,6 @@ class ScratchRaster {
   static Expected<ScratchRaster> create(const std::string& folder, std::int64_t columns, std::int64_t rows,
                                         ScratchSample sample);
 
-  ScratchRaster(ScratchRaster&& other) noexcept;
-  ScratchRaster& operator=(ScratchRaster&& other) noexcept;
-  ~ScratchRaster();
-
   /// Stores a window that lies inside the raster, row-major, `stride` doubles a row. Quickest for whole rows
   /// of blocks. Not thread-safe.
   Expected<void> write(std::int64_t column, std::int64_t row, std::int64_t width, std::int64_t height,
@@ -32,11 +29,10 @@ class ScratchRaster {
                       std::int64_t stride) const;
 
  private:
-  ScratchRaster(int file, std::string folder, std::int64_t columns, ScratchSample sample);
+  ScratchRaster(ScratchFile file, std::int64_t columns, ScratchSample sample);
   std::int64_t position(std::int64_t block_x, std::int64_t block_y, std::int64_t row) const;
 
-  int file_ = -1;
-  std::string folder_;
+  ScratchFile file_;
   std::int64_t columns_ = 0;
   ScratchSample sample_ = ScratchSample::kDouble;
 };

@@ -21,6 +21,9 @@ constexpr auto kPayloadVersion = std::byte{3};
 /// Below this many vertices the fixed cost of the slow predictors can outweigh what they save.
 constexpr std::size_t kTrySmallCoder = 300;
 constexpr int kBestSpeed = 0;
+/// From so many heights on the slow predictors' tables take 100 MiB and more, and save nothing.
+constexpr std::int32_t kTallMesh = 1 << 20;
+constexpr int kTallSpeed = 2;
 constexpr int kSmallSpeed = 5;
 
 void fill(draco::Mesh& out, const TileMesh& mesh) {
@@ -58,7 +61,9 @@ Expected<std::vector<std::byte>> DracoMesh::encode(const TileMesh& mesh) const {
   draco::Mesh source;
   fill(source, mesh);
   draco::EncoderBuffer buffer;
-  if (!encode_at(source, kBestSpeed, buffer)) return fail(ErrorCode::kBadData, "Draco could not encode the mesh");
+  const bool tall = std::ranges::any_of(mesh.vertices, [](const GridVertex& v) { return v.z >= kTallMesh; });
+  if (!encode_at(source, tall ? kTallSpeed : kBestSpeed, buffer))
+    return fail(ErrorCode::kBadData, "Draco could not encode the mesh");
   if (mesh.vertices.size() < kTrySmallCoder) {
     draco::EncoderBuffer other;
     if (encode_at(source, kSmallSpeed, other) && other.size() < buffer.size()) std::swap(buffer, other);

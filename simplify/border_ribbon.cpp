@@ -25,7 +25,8 @@ bool BorderRibbon::may_slide(std::int32_t vertex, const Side& side) const {
   return along == 1 && on_line(mesh_.target(start)) && last_along;
 }
 
-void BorderRibbon::build(RightTriangleMesh& start, const Side& side) {
+/// Returns the lattice that the heights count on.
+HeightLattice BorderRibbon::build(RightTriangleMesh& start, const Side& side) {
   std::array<bool, 2> open_ends{};
   StartMesh band = start.band(side, open_ends);
   const std::size_t samples = band.vertices.size();
@@ -45,12 +46,45 @@ void BorderRibbon::build(RightTriangleMesh& start, const Side& side) {
     if (side.across(p) != 0 || u == 0 || u == side.cells || !mesh_.alive(v)) continue;
     if (std::ranges::find(held, u) == held.end() && may_slide(v, side)) mesh_.kinds[i] = VertexKind::kSlide;
   }
+  return band.heights;
 }
 
-std::vector<RibbonStep> BorderRibbon::settle(SurfaceView& view, RightTriangleMesh& start, const Side& side,
-                                             const LevelGrid& level) {
-  build(start, side);
+/// An edge that leads from a vertex of the line into a notch of the rim and may be flipped; kNone when there is none.
+std::int32_t BorderRibbon::find_notch(std::int32_t vertex, const Side& side, StarFit& fit) {
+  const auto on_line = [&](std::int32_t v) { return side.across(mesh_.vertex(v)) == 0; };
+  const std::int32_t start = mesh_.outgoing(vertex);
+  for (std::int32_t h = start; h != kNone;) {
+    if (mesh_.twin(h) != kNone) {
+      const std::int32_t bottom = mesh_.target(h);
+      const std::int32_t left = mesh_.origin(HalfEdgeMesh::previous(h));
+      const std::int32_t right = mesh_.origin(HalfEdgeMesh::previous(mesh_.twin(h)));
+      // The two triangles as they would be, around one of their new edge's ends.
+      ring_.sides.assign({{right, bottom}, {vertex, right}});
+      ring_.spokes.assign({right});
+      const bool in_rim = !on_line(bottom) && !on_line(left) && !on_line(right);
+      if (in_rim && fit.unfolded(mesh_.vertex(left), ring_) && fit.keeps(mesh_.vertex(left), ring_)) return h;
+    }
+    const std::int32_t following = mesh_.rotate(h);
+    h = following == start ? kNone : following;
+  }
+  return kNone;
+}
+
+std::vector<RibbonFlip> BorderRibbon::cut_notches(const Side& side, StarFit& fit) {
+  std::vector<RibbonFlip> flips;
+  for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) {
+    if (!mesh_.alive(v) || mesh_.kinds[static_cast<std::size_t>(v)] != VertexKind::kSlide) continue;
+    for (std::int32_t h = find_notch(v, side, fit); h != kNone; h = find_notch(v, side, fit)) {
+      flips.push_back({side.along(mesh_.vertex(v)), mesh_.vertex(mesh_.target(h))});
+      mesh_.flip(h);
+    }
+  }
+  return flips;
+}
+
+RibbonPlan BorderRibbon::settle(SurfaceView& view, RightTriangleMesh& start, const Side& side, const LevelGrid& level) {
   CollapseSpec spec;
+  spec.heights = build(start, side);
   const std::int64_t across = side.southward ? 0 : side.cells;
   const std::int64_t down = side.southward ? side.cells : 0;
   // The band reaches one square to either side.
@@ -62,17 +96,17 @@ std::vector<RibbonStep> BorderRibbon::settle(SurfaceView& view, RightTriangleMes
       level.bound_m);
   spec.line = side.southward ? CollapseSpec::Line::kX : CollapseSpec::Line::kY;
   spec.line_bound_m = spec.bound_m / 2;
-  spec.z_step_m = level.heights.step_m;
-  std::vector<CollapseStep> log;
   SurfaceDistance distance(view, side.column, side.row);
+  StarFit fit(mesh_, distance, spec);
+  RibbonPlan plan{cut_notches(side, fit), {}};
+  std::vector<CollapseStep> log;
   // What a tile needs of each collapse is the sample and the direction.
   const auto along = [&](std::int32_t v) { return side.along(mesh_.vertices[static_cast<std::size_t>(v)]); };
   collapse_.run(mesh_, distance, spec, &log);
-  std::vector<RibbonStep> steps;
-  steps.reserve(log.size());
+  plan.steps.reserve(log.size());
   for (const CollapseStep& s : log)
-    steps.push_back({along(s.gone), along(s.kept) > along(s.gone) ? 1 : -1, s.position.z});
-  return steps;
+    plan.steps.push_back({along(s.gone), along(s.kept) > along(s.gone) ? 1 : -1, spec.heights.origin + s.position.z});
+  return plan;
 }
 
 }  // namespace tintree::simplify

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "simplify/half_edge_mesh.h"
+#include "simplify/height_lattice.h"
 
 namespace tintree::simplify {
 
@@ -25,7 +26,7 @@ struct CollapseSpec {
   double bound_m = 0;  ///< Largest vertical distance to the surface, guard already taken off.
   Line line = Line::kAbsent;
   double line_bound_m = 0;  ///< The same along that line.
-  double z_step_m = 0;      ///< Height of one z step; height 0 is z = 0.
+  HeightLattice heights;    ///< What z counts.
   int sub_bits = 0;         ///< x and y count 2^-sub_bits samples.
   int coarse_bits = 0;      ///< Vertices that move go to multiples of 2^coarse_bits lattice steps.
   double area_unit = 1;     ///< Area in cells that the quadrics' weights count as one.

@@ -57,14 +57,16 @@ void EdgeCollapse::run(HalfEdgeMesh& mesh, SurfaceDistance& distance, const Coll
   }
 }
 
+/// The start mesh's vertices lie at samples. Its triangles count as they would at the samples' own heights: rounded to
+/// the lattice, those of a cell or two would point anywhere.
 void EdgeCollapse::init_quadrics() {
   quadrics_.assign(mesh_->vertices.size(), {});
   for (std::int32_t h = 0; h < mesh_->half_edge_count(); h += 3) {
     if (!mesh_->triangle_alive(h)) continue;
     const std::int32_t corners[3] = {mesh_->origin(h), mesh_->origin(h + 1), mesh_->origin(h + 2)};
-    const Point p = fit_->point(mesh_->vertex(corners[0]));
-    const Point q = fit_->point(mesh_->vertex(corners[1]));
-    const Point r = fit_->point(mesh_->vertex(corners[2]));
+    const Point p = fit_->on_surface(mesh_->vertex(corners[0]));
+    const Point q = fit_->on_surface(mesh_->vertex(corners[1]));
+    const Point r = fit_->on_surface(mesh_->vertex(corners[2]));
     const double d = (q.x - p.x) * (r.y - p.y) - (r.x - p.x) * (q.y - p.y);
     const double a = ((q.z - p.z) * (r.y - p.y) - (r.z - p.z) * (q.y - p.y)) / d;
     const double b = ((q.x - p.x) * (r.z - p.z) - (r.x - p.x) * (q.z - p.z)) / d;
@@ -160,12 +162,12 @@ bool EdgeCollapse::propose(Candidate& candidate) const {
   const double py = candidate.position.y * fit_->lattice();
   candidate.cost = plan.at(px, py);
   if (kept_kind == VertexKind::kLocked) {
-    const double off = to.z * spec_.z_step_m - sum.best_height(px, py);
+    const double off = to.z * spec_.heights.step_m - sum.best_height(px, py);
     candidate.cost += sum.zz * off * off;
   }
   candidate.cost = std::max(candidate.cost, 0.0);
   const double hopeless = spec_.effort == Effort::kBest ? kHopelessToRepair : kHopeless;
-  // Where the bound is tiny beside the heights all costs are rounding.
+  // Where the bound is tiny beside the heights all costs are rounding. A cost that is no number is refused.
   const double rounding = kCostRounding * (sum.one + sum.xx * px * px + sum.yy * py * py);
   return candidate.cost <= hopeless * sum.zz * spec_.bound_m * spec_.bound_m + rounding;
 }
@@ -244,7 +246,7 @@ bool EdgeCollapse::fit_height(Candidate& candidate) {
   Quadric sum = quadrics_[at(candidate.gone)];
   sum += quadrics_[at(candidate.kept)];
   const Point place = fit_->point(candidate.position);
-  const double wished = std::round(sum.best_height(place.x, place.y) / spec_.z_step_m);
+  const double wished = std::round(sum.best_height(place.x, place.y) / spec_.heights.step_m);
   candidate.position.z = static_cast<std::int32_t>(std::clamp<double>(wished, range.lowest, range.highest));
   return true;
 }

@@ -115,4 +115,31 @@ void HalfEdgeMesh::collapse(std::int32_t h, std::int32_t kept) {
   if (other != kNone) reseat(other_apex, around);
 }
 
+void HalfEdgeMesh::flip(std::int32_t h) {
+  const std::int32_t other = twin(h);
+  const std::int32_t from_apex = previous(h);
+  const std::int32_t from_other = previous(other);
+  const std::int32_t a = origin(h);
+  const std::int32_t b = origin(other);
+  const std::int32_t apex = origin(from_apex);
+  const std::int32_t other_apex = origin(from_other);
+  // Each of the two moves to the outer side that the other triangle gives up; what had its place becomes the new edge.
+  const auto move = [this](std::int32_t moved, std::int32_t outer) {
+    origin_[index(moved)] = origin(outer);
+    twin_[index(moved)] = twin(outer);
+    if (twin(outer) != kNone) twin_[index(twin(outer))] = moved;
+  };
+  move(h, from_other);
+  move(other, from_apex);
+  twin_[index(from_apex)] = from_other;
+  twin_[index(from_other)] = from_apex;
+  const auto leave_by = [this](std::int32_t vertex, std::int32_t before, std::int32_t after) {
+    if (outgoing(vertex) == before) outgoing_[index(vertex)] = after;
+  };
+  leave_by(a, h, next(other));
+  leave_by(b, other, next(h));
+  leave_by(other_apex, from_other, h);
+  leave_by(apex, from_apex, other);
+}
+
 }  // namespace tintree::simplify

@@ -20,6 +20,8 @@ struct LatticeVertex {
   std::int32_t x = 0;
   std::int32_t y = 0;
   std::int32_t z = 0;
+
+  friend bool operator==(const LatticeVertex&, const LatticeVertex&) = default;
 };
 
 inline constexpr std::int32_t kNone = -1;
@@ -61,6 +63,9 @@ class HalfEdgeMesh {
   /// Merges one end of `h` into the other, `kept`: both triangles at the edge vanish. The caller has checked
   /// that the result is a mesh (link condition) and does not fold.
   void collapse(std::int32_t h, std::int32_t kept);
+  /// Joins the apexes of the two triangles at `h`, an inner edge, in place of its ends. The caller has checked that
+  /// their quadrilateral is convex.
+  void flip(std::int32_t h);
 
   std::vector<LatticeVertex> vertices;
   std::vector<VertexKind> kinds;

@@ -141,7 +141,31 @@ bool holds_triangle(const HeightBlock& block) {
   return false;
 }
 
+/// Keeps the first failure of several threads.
+class FirstError {
+ public:
+  void note(const Expected<void>& done) {
+    if (done) return;
+    const std::scoped_lock lock(turn_);
+    if (!error_) error_ = done.error();
+  }
+  std::optional<Error> get() const {
+    const std::scoped_lock lock(turn_);
+    return error_;
+  }
+
+ private:
+  mutable std::mutex turn_;
+  std::optional<Error> error_;
+};
+
 }  // namespace
+
+std::uint64_t ReferenceSurface::pyramid_bytes(std::int64_t columns, std::int64_t rows) {
+  return static_cast<std::uint64_t>(cache::HeightBlocks::blocks_along(columns) *
+                                    cache::HeightBlocks::blocks_along(rows)) *
+         sizeof(BlockPatches);
+}
 
 BlockPatches make_patches(const HeightBlock& block) {
   BlockPatches out;
@@ -157,25 +181,30 @@ BlockPatches make_patches(const HeightBlock& block) {
 
 Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
     std::shared_ptr<cache::HeightBlocks> blocks,
-    const std::function<bool(std::uint64_t done, std::uint64_t total)>& progress) {
+    const std::function<bool(std::uint64_t done, std::uint64_t total)>& progress, const Pyramid& pyramid) {
   auto out = std::make_unique<ReferenceSurface>();
   out->blocks_ = std::move(blocks);
   const std::int64_t across = out->blocks_->blocks_x();
   const std::int64_t down = out->blocks_->blocks_y();
   const auto total = static_cast<std::size_t>(across * down);
-  out->patches_.resize(total);
+  auto patches = cache::PagedRecords::create(static_cast<std::int64_t>(total), sizeof(BlockPatches),
+                                             pyramid.resident_bytes, pyramid.folder);
+  if (!patches) return tl::unexpected(patches.error());
+  out->patches_.emplace(std::move(*patches));
   out->ranges_.resize(total);
   cache::SamplesDigest digest(*out->blocks_);
   std::vector<std::uint64_t> valid(total);
   std::vector<char> surface(total);
   std::uint64_t done = 0;
   bool stopped = false;
+  FirstError error;
   tbb::task_group tasks;
   auto streamed =
       out->blocks_->stream([&](std::int64_t bx, std::int64_t by, const std::shared_ptr<const HeightBlock>& block) {
         const auto at = static_cast<std::size_t>(by * across + bx);
         tasks.run([&, at, bx, by, block] {
-          out->patches_[at] = make_patches(*block);
+          const BlockPatches summary = make_patches(*block);
+          error.note(out->patches_->write(static_cast<std::int64_t>(at), &summary));
           out->ranges_[at] = range_of(*block);
           // Samples on a shared side count for the next block, if there is one.
           valid[at] = count_valid(*block, bx + 1 < across ? cache::kBlockCells : kBlockSamples,
@@ -186,9 +215,10 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
         // Lets no more than a band of blocks pile up.
         if (++done % 32 == 0) tasks.wait();
         stopped = !progress(done, total);
-        return !stopped;
+        return !stopped && !error.get();
       });
   tasks.wait();
+  if (error.get()) return tl::unexpected(*error.get());
   if (!streamed) return tl::unexpected(streamed.error());
   if (stopped) return fail(ErrorCode::kStopped, "stopped");
   for (const std::uint64_t v : valid) out->valid_samples_ += v;
@@ -205,11 +235,6 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan_windows(std::
   out->blocks_ = std::move(blocks);
   const std::int64_t across = out->blocks_->blocks_x();
   const auto total = static_cast<std::size_t>(across * out->blocks_->blocks_y());
-  BlockPatches unknown;
-  unknown.whole.low = kNaN;
-  unknown.middle.fill(unknown.whole);
-  unknown.fine.fill(unknown.whole);
-  out->patches_.assign(total, unknown);
   out->ranges_.assign(total, {kInfinity, -kInfinity});
   std::set<std::int64_t> wanted;
   for (const codec::CellRect& w : windows) {
@@ -217,35 +242,60 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan_windows(std::
       for (std::int64_t bx = w.column0 >> 8; bx <= (w.column1 - 1) >> 8; ++bx) wanted.insert(by * across + bx);
     }
   }
-  std::mutex turn;
-  std::optional<Error> error;
+  auto patches = cache::PagedRecords::create(std::ssize(wanted) + 1, sizeof(BlockPatches), Pyramid{}.resident_bytes,
+                                             Pyramid{}.folder);
+  if (!patches) return tl::unexpected(patches.error());
+  out->patches_.emplace(std::move(*patches));
+  // The first record stands for all blocks that are not looked at.
+  BlockPatches unknown;
+  unknown.whole.low = kNaN;
+  unknown.middle.fill(unknown.whole);
+  unknown.fine.fill(unknown.whole);
+  FirstError error;
+  error.note(out->patches_->write(0, &unknown));
+  out->places_.assign(total, 0);
+  std::int32_t last = 0;
+  for (const std::int64_t key : wanted) out->places_[static_cast<std::size_t>(key)] = ++last;
   tbb::parallel_for_each(wanted, [&](std::int64_t key) {
     if (is_set(stop)) return;
     const auto block = out->blocks_->get(key % across, key / across);
-    if (!block) {
-      const std::scoped_lock lock(turn);
-      error = block.error();
-      return;
-    }
+    if (!block) return error.note(tl::unexpected(block.error()));
     const auto at = static_cast<std::size_t>(key);
-    out->patches_[at] = make_patches(**block);
+    const BlockPatches summary = make_patches(**block);
+    error.note(out->patches_->write(out->places_[at], &summary));
     out->ranges_[at] = range_of(**block);
   });
-  if (error) return tl::unexpected(*error);
+  if (error.get()) return tl::unexpected(*error.get());
   if (is_set(stop)) return fail(ErrorCode::kStopped, "stopped");
   return out;
 }
 
-std::array<double, 2> ReferenceSurface::height_range_m(const codec::CellRect& cells) const {
-  std::array<double, 2> range{kInfinity, -kInfinity};
-  if (cells.empty()) return range;
+template <typename Visit>
+void ReferenceSurface::for_each_range(const codec::CellRect& cells, const Visit& visit) const {
+  if (cells.empty()) return;
   for (std::int64_t by = cells.row0 >> 8; by <= (cells.row1 - 1) >> 8; ++by) {
     for (std::int64_t bx = cells.column0 >> 8; bx <= (cells.column1 - 1) >> 8; ++bx) {
-      const auto& r = ranges_[static_cast<std::size_t>(by * blocks_->blocks_x() + bx)];
-      range = {std::min(range[0], r[0]), std::max(range[1], r[1])};
+      visit(ranges_[static_cast<std::size_t>(by * blocks_->blocks_x() + bx)]);
     }
   }
+}
+
+std::array<double, 2> ReferenceSurface::height_range_m(const codec::CellRect& cells) const {
+  std::array<double, 2> range{kInfinity, -kInfinity};
+  for_each_range(cells, [&](const std::array<double, 2>& r) {
+    range = {std::min(range[0], r[0]), std::max(range[1], r[1])};
+  });
   return range;
+}
+
+ReferenceSurface::HeightScale ReferenceSurface::height_scale(const codec::CellRect& cells) const {
+  HeightScale scale;
+  for_each_range(cells, [&](const std::array<double, 2>& r) {
+    if (r[0] > r[1]) return;
+    scale.relief_m = std::max(scale.relief_m, r[1] - r[0]);
+    scale.farthest_m = std::max({scale.farthest_m, std::abs(r[0]), std::abs(r[1])});
+  });
+  return scale;
 }
 
 double SurfaceView::sample(std::int64_t column, std::int64_t row) {

@@ -6,9 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "cache/height_blocks.h"
+#include "cache/paged_records.h"
 #include "codec/error.h"
 #include "codec/grid_frame.h"
 #include "codec/stop_flag.h"
@@ -51,6 +54,9 @@ struct BlockPatches {
   }
 };
 
+static_assert(std::is_trivially_copyable_v<BlockPatches> && alignof(BlockPatches) <= 8 &&
+              sizeof(BlockPatches) % 8 == 0);
+
 BlockPatches make_patches(const cache::HeightBlock& block);
 
 /// The DEM's surface S (docs/accuracy.md): samples joined into a regular triangulation whose diagonals run
@@ -58,11 +64,24 @@ BlockPatches make_patches(const cache::HeightBlock& block);
 /// Immutable after scan() and safe to share between threads.
 class ReferenceSurface {
  public:
+  /// Where the residual pyramid lies: in memory as long as it takes no more than this, else in a temporary file.
+  struct Pyramid {
+    std::uint64_t resident_bytes = std::uint64_t{1} << 40;
+    std::string folder = ".";
+  };
+  /// What the whole pyramid of a DEM of so many samples takes: about a tenth of a byte for each.
+  static std::uint64_t pyramid_bytes(std::int64_t columns, std::int64_t rows);
+
   /// Reads the DEM once. `progress(done, total)` counts blocks and returns false to stop (kStopped). From then on
   /// `blocks` refuses to read anything else from the file than what was scanned.
   static Expected<std::unique_ptr<ReferenceSurface>> scan(
       std::shared_ptr<cache::HeightBlocks> blocks,
-      const std::function<bool(std::uint64_t done, std::uint64_t total)>& progress);
+      const std::function<bool(std::uint64_t done, std::uint64_t total)>& progress, const Pyramid& pyramid);
+  static Expected<std::unique_ptr<ReferenceSurface>> scan(
+      std::shared_ptr<cache::HeightBlocks> blocks,
+      const std::function<bool(std::uint64_t done, std::uint64_t total)>& progress) {
+    return scan(std::move(blocks), progress, Pyramid{});
+  }
 
   /// Looks at the blocks under these rectangles of cells only, over all threads of the current oneTBB arena: enough
   /// to make tiles whose cells, and one more on every side, lie in them. Of the other blocks it knows nothing, and
@@ -73,7 +92,9 @@ class ReferenceSurface {
 
   cache::HeightBlocks& blocks() const { return *blocks_; }
   const BlockPatches& patches(std::int64_t bx, std::int64_t by) const {
-    return patches_[static_cast<std::size_t>(by * blocks_->blocks_x() + bx)];
+    std::int64_t place = by * blocks_->blocks_x() + bx;
+    if (!places_.empty()) place = places_[static_cast<std::size_t>(place)];
+    return *reinterpret_cast<const BlockPatches*>(patches_->at(place));
   }
   /// Samples that exist.
   std::uint64_t valid_samples() const { return valid_samples_; }
@@ -83,10 +104,20 @@ class ReferenceSurface {
   const std::string& digest() const { return digest_; }
   /// Lowest and highest sample of a rectangle of cells, widened to whole blocks; {+inf, -inf} when none.
   std::array<double, 2> height_range_m(const codec::CellRect& cells) const;
+  /// What the rounding of heights in a rectangle of cells, widened to whole blocks, goes by; zeros when there are none.
+  struct HeightScale {
+    double relief_m = 0;    ///< Largest difference within a block.
+    double farthest_m = 0;  ///< From height 0.
+  };
+  HeightScale height_scale(const codec::CellRect& cells) const;
 
  private:
+  template <typename Visit>
+  void for_each_range(const codec::CellRect& cells, const Visit& visit) const;
+
   std::shared_ptr<cache::HeightBlocks> blocks_;
-  std::vector<BlockPatches> patches_;
+  std::optional<cache::PagedRecords> patches_;
+  std::vector<std::int32_t> places_;  // of the blocks' records; empty: in order
   std::vector<std::array<double, 2>> ranges_;
   std::uint64_t valid_samples_ = 0;
   bool has_surface_ = false;

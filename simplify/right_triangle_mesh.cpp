@@ -11,6 +11,9 @@
 namespace tintree::simplify {
 namespace {
 
+/// How often the descent looks whether it has been interrupted.
+constexpr std::uint32_t kStepsPerLook = 4096;
+
 /// Every second bit of a Morton code, packed.
 std::int64_t every_second_bit(std::int64_t code) {
   std::int64_t out = 0;
@@ -104,7 +107,8 @@ std::array<std::array<RightTriangleMesh::GridPoint, 3>, 2> RightTriangleMesh::ha
 
 /// Triangle with hypotenuse a-b and apex c, counter-clockwise from above.
 void RightTriangleMesh::descend(GridPoint a, GridPoint b, GridPoint c) {
-  if (!touches(a, b, c)) return;
+  if (++steps_ % kStepsPerLook == 0) interrupted_ = view_->interrupted();
+  if (interrupted_ || !touches(a, b, c)) return;
   if (std::abs(a.x - b.x) == 1 && std::abs(a.y - b.y) == 1) {
     emit_half_cell(a, b, c);
     return;
@@ -149,24 +153,28 @@ void RightTriangleMesh::emit_half_cell(GridPoint a, GridPoint b, GridPoint c) {
 }
 
 void RightTriangleMesh::emit(GridPoint a, GridPoint b, GridPoint c) {
-  const std::array<std::int32_t, 3> t{vertex(a), vertex(b), vertex(c)};
-  if (t[0] == kNone || t[1] == kNone || t[2] == kNone) return;
-  mesh_.triangles.push_back(t);
+  const auto there = [this](GridPoint p) { return is_vertex(p) || exists(p); };
+  if (there(a) && there(b) && there(c)) mesh_.triangles.push_back({vertex(a), vertex(b), vertex(c)});
 }
 
 double RightTriangleMesh::height_m(GridPoint p) const { return view_->sample(column0_ + p.x, row0_ + p.y); }
 
-/// The vertex at a sample, made on first use; kNone when the sample is missing.
+bool RightTriangleMesh::is_vertex(GridPoint p) const {
+  return vertex_of_rank_[static_cast<std::size_t>(flags_.rank(p.x, p.y))] != kNone;
+}
+
+/// The vertex at a sample that exists, made on first use.
 std::int32_t RightTriangleMesh::vertex(GridPoint p) {
   const std::int32_t rank = flags_.rank(p.x, p.y);
   std::int32_t& v = vertex_of_rank_[static_cast<std::size_t>(rank)];
   if (v == kNone) {
     const double h = height_m(p);
-    if (std::isnan(h)) return kNone;
+    // Heights of a tile and of two that meet at a sample are far fewer than 2^31 steps apart.
+    if (mesh_.vertices.empty()) mesh_.heights = {level_.heights.step_m, level_.heights.address(h)};
     v = static_cast<std::int32_t>(mesh_.vertices.size());
     used_ranks_.push_back(rank);
     mesh_.vertices.push_back({static_cast<std::int32_t>(p.x - origin_.x), static_cast<std::int32_t>(p.y - origin_.y),
-                              level_.heights.snap(h)});
+                              mesh_.heights.snap(h)});
   }
   return v;
 }

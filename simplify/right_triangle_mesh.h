@@ -28,6 +28,7 @@ struct Side {
 /// Triangles over samples at snapped heights, counter-clockwise seen from above.
 struct StartMesh {
   std::vector<LatticeVertex> vertices;  ///< x and y in whole samples.
+  HeightLattice heights;                ///< What z counts: the level's, from the first vertex.
   std::vector<std::array<std::int32_t, 3>> triangles;
 };
 
@@ -44,7 +45,8 @@ class RightTriangleMesh {
  public:
   RightTriangleMesh(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0);
 
-  /// The tile's part, relative to its north-west sample, along a space-filling curve.
+  /// The tile's part, relative to its north-west sample, along a space-filling curve. Like band() it ends early, with
+  /// a part of the triangles, once the view is interrupted.
   StartMesh tile();
 
   /// The triangles on both sides of one of the tile's sides that touch it, relative to the side's start, cut at
@@ -70,6 +72,7 @@ class RightTriangleMesh {
   CornerCell corner_cell(GridPoint cell);
   double height_m(GridPoint p) const;
   bool exists(GridPoint p) const { return !std::isnan(height_m(p)); }
+  bool is_vertex(GridPoint p) const;
   std::int32_t vertex(GridPoint p);
 
   SurfaceView* view_;
@@ -89,6 +92,8 @@ class RightTriangleMesh {
   bool southward_ = false;
   std::int64_t line_ = 0;
   bool met_open_cell_ = false;
+  std::uint32_t steps_ = 0;
+  bool interrupted_ = false;
 };
 
 }  // namespace tintree::simplify

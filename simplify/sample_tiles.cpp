@@ -14,6 +14,7 @@
 #include "codec/mesh_codec.h"
 #include "simplify/error_meter.h"
 #include "simplify/stored_tile.h"
+#include "simplify/tree_builder.h"
 
 namespace tintree::simplify {
 namespace {
@@ -116,7 +117,7 @@ std::vector<LevelSample> choose_sample(const codec::TreeLayout& layout) {
 }
 
 Expected<std::vector<LevelSample>> sample_tiles(const std::shared_ptr<cache::HeightBlocks>& blocks,
-                                                const cache::Manifest& manifest, const StopFlag* stop) {
+                                                cache::Manifest manifest, const StopFlag* stop) {
   std::vector<LevelSample> levels = choose_sample(manifest.layout);
   std::vector<SampledTile*> todo;
   std::vector<codec::CellRect> windows;
@@ -128,6 +129,9 @@ Expected<std::vector<LevelSample>> sample_tiles(const std::shared_ptr<cache::Hei
   }
   auto surface = ReferenceSurface::scan_windows(blocks, windows, stop);
   if (!surface) return tl::unexpected(surface.error());
+  auto steps = choose_height_steps(**surface, manifest.layout);
+  if (!steps) return tl::unexpected(steps.error());
+  manifest.layout.z_step_m = std::move(*steps);
   tbb::enumerable_thread_specific<std::unique_ptr<Sampler>> samplers(
       [&] { return std::make_unique<Sampler>(**surface, manifest, stop); });
   std::mutex turn;

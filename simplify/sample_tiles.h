@@ -38,8 +38,9 @@ struct LevelSample {
 std::vector<LevelSample> choose_sample(const codec::TreeLayout& layout);
 
 /// Makes a sample of the tree's tiles in memory, over all threads of the current oneTBB arena, and times it.
-/// `manifest` needs no digest. kStopped soon after `stop` is set.
+/// `manifest` needs neither digest nor height steps. Fails as choose_height_steps() for what it sees of the DEM;
+/// kStopped soon after `stop` is set.
 Expected<std::vector<LevelSample>> sample_tiles(const std::shared_ptr<cache::HeightBlocks>& blocks,
-                                                const cache::Manifest& manifest, const StopFlag* stop);
+                                                cache::Manifest manifest, const StopFlag* stop);
 
 }  // namespace tintree::simplify

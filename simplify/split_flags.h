@@ -54,8 +54,8 @@ class SplitFlags {
   }
 
  private:
-  static constexpr int kShift = 8;
-  static constexpr std::int64_t kSide = 256;
+  static constexpr int kShift = 6;
+  static constexpr std::int64_t kSide = std::int64_t{1} << kShift;
   static constexpr std::size_t kWords = kSide * kSide / 64;
 
   struct Chunk {

@@ -48,8 +48,9 @@ HeightRange StarFit::heights(const LatticeVertex& hub, const Ring& ring, double 
   clip(place, on_line, ring, share, interval);
   if (interval.empty()) return {};
   // Rounded inward: what is stored is what was tested.
-  return {static_cast<std::int32_t>(std::ceil((place.z + interval.lo) / spec_.z_step_m)),
-          static_cast<std::int32_t>(std::floor((place.z + interval.hi) / spec_.z_step_m))};
+  const auto origin = static_cast<double>(spec_.heights.origin);
+  return {static_cast<std::int32_t>(std::ceil((place.z + interval.lo) / spec_.heights.step_m) - origin),
+          static_cast<std::int32_t>(std::floor((place.z + interval.hi) / spec_.heights.step_m) - origin)};
 }
 
 bool StarFit::keeps(const LatticeVertex& hub, const Ring& ring) {

@@ -42,7 +42,12 @@ class StarFit {
   bool interrupted() const { return distance_->interrupted(); }  ///< SurfaceView::interrupted().
   double lattice() const { return lattice_; }                    ///< Samples per lattice step.
   /// The place of a vertex in samples and metres.
-  Point point(const LatticeVertex& v) const { return {v.x * lattice_, v.y * lattice_, v.z * spec_.z_step_m}; }
+  Point point(const LatticeVertex& v) const { return {v.x * lattice_, v.y * lattice_, spec_.heights.height_m(v.z)}; }
+  /// The place of the surface above or below a vertex; its height counts from the lattice's origin.
+  Point on_surface(const LatticeVertex& v) const {
+    const double height_m = distance_->surface().height_at(v.x * lattice_, v.y * lattice_);
+    return {v.x * lattice_, v.y * lattice_, height_m - spec_.heights.height_m(0)};
+  }
 
   /// Whether all triangles of a star with its hub at this place are counter-clockwise seen from above.
   bool unfolded(const LatticeVertex& hub, const Ring& ring) const;

@@ -22,12 +22,20 @@ static_assert(kLargeCells < TrianglePlane::kMaxRectSamples && kPatchCells[0] < T
 
 double guard_m(double range_m, double bound_m) { return range_m * 0x1p-22 + bound_m * 1e-6; }
 
+namespace {
+
+/// What sums in double of heights so far from 0 may be off by, and the residuals of a patch whose plane is kept in
+/// float: twice 24 bits.
+double far_guard_m(double farthest_m) { return farthest_m * 0x1p-46; }
+
+}  // namespace
+
 double tested_bound_m(const ReferenceSurface& surface, const codec::CellRect& cells, double bound_m) {
   const cache::HeightBlocks& blocks = surface.blocks();
-  const auto range = surface.height_range_m(
+  const auto heights = surface.height_scale(
       {std::max<std::int64_t>(cells.column0 - 1, 0), std::max<std::int64_t>(cells.row0 - 1, 0),
        std::min(cells.column1 + 1, blocks.columns() - 1), std::min(cells.row1 + 1, blocks.rows() - 1)});
-  return bound_m - guard_m(std::max(range[1] - range[0], 0.0), bound_m);
+  return bound_m - guard_m(heights.relief_m, bound_m) - far_guard_m(heights.farthest_m);
 }
 
 namespace {

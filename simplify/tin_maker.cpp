@@ -69,7 +69,9 @@ Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
   RightTriangleMesh start(view_, level, column0, row0);
   if (view_.interrupted()) return tl::unexpected(*view_.error());
   StartMesh tile = start.tile();
+  if (view_.interrupted()) return tl::unexpected(*view_.error());
   mesh_.build(std::move(tile.vertices), tile.triangles);
+  heights_ = tile.heights;
   for (const bool southward : {false, true}) {
     for (const std::int64_t offset : {std::int64_t{0}, cells}) {
       settle_side(start, southward ? Side{offset, 0, cells, true} : Side{0, offset, cells, false}, level, id);
@@ -82,7 +84,7 @@ Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
 
   CollapseSpec spec;
   spec.bound_m = tested_bound_m(view_.surface(), layout_.cells(id), level.bound_m);
-  spec.z_step_m = level.heights.step_m;
+  spec.heights = heights_;
   spec.sub_bits = sub_bits;
   spec.coarse_bits = coarsest_lattice(mesh_);
   spec.effort = effort_;
@@ -102,7 +104,7 @@ void TinMaker::refine_lattice(int sub_bits) {
   }
 }
 
-/// Repeats a side's settled collapses in this tile's half of the ribbon. `side` is relative to the tile.
+/// Repeats what has settled a side in this tile's half of the ribbon. `side` is relative to the tile.
 void TinMaker::settle_side(RightTriangleMesh& start, const Side& side, const LevelGrid& level,
                            const codec::TileId& id) {
   std::vector<std::int32_t> vertex_at(static_cast<std::size_t>(side.cells) + 1, kNone);
@@ -113,22 +115,43 @@ void TinMaker::settle_side(RightTriangleMesh& start, const Side& side, const Lev
   }
   const Side in_dem{side.column + std::int64_t{id.x} * side.cells, side.row + std::int64_t{id.y} * side.cells,
                     side.cells, side.southward};
-  for (const RibbonStep& step : ribbon_.settle(view_, start, in_dem, level)) {
+  const RibbonPlan plan = ribbon_.settle(view_, start, in_dem, level);
+  // A plan that was cut short may be made for a part of the band.
+  if (view_.interrupted()) return;
+  for (const RibbonFlip& flip : plan.flips) {
+    const std::int32_t near = vertex_at[at(flip.index)];
+    if (near != kNone) repeat(flip, near, side);
+  }
+  for (const RibbonStep& step : plan.steps) {
     const std::int32_t gone = vertex_at[at(step.index)];
-    if (gone == kNone || !mesh_.alive(gone)) continue;
-    // The neighbour along the side is one end of the fan of triangles on this side of the line.
-    const std::int32_t first = mesh_.outgoing(gone);
-    const std::int32_t last = mesh_.last_outgoing(gone);
-    for (const std::int32_t h : {first, HalfEdgeMesh::previous(last)}) {
-      const std::int32_t kept = h == first ? mesh_.target(h) : mesh_.origin(h);
-      const LatticeVertex& from = mesh_.vertices[at(gone)];
-      LatticeVertex& to = mesh_.vertices[at(kept)];
-      const bool ahead = side.along(to) > side.along(from);
-      if (side.across(to) != side.across(from) || ahead != (step.towards > 0)) continue;
-      to.z = step.z;
-      mesh_.collapse(h, kept);
-      break;
-    }
+    if (gone != kNone && mesh_.alive(gone)) repeat(step, gone, side);
+  }
+}
+
+/// Flips the edge of `near` that leads there; on one side of the line alone there is one.
+void TinMaker::repeat(const RibbonFlip& flip, std::int32_t near, const Side& side) {
+  const std::int32_t start = mesh_.outgoing(near);
+  for (std::int32_t h = start; h != kNone;) {
+    const LatticeVertex& far = mesh_.vertex(mesh_.target(h));
+    if (far.x - side.column == flip.far.x && far.y - side.row == flip.far.y) return mesh_.flip(h);
+    const std::int32_t following = mesh_.rotate(h);
+    h = following == start ? kNone : following;
+  }
+}
+
+void TinMaker::repeat(const RibbonStep& step, std::int32_t gone, const Side& side) {
+  // The neighbour along the side is one end of the fan of triangles on this side of the line.
+  const std::int32_t first = mesh_.outgoing(gone);
+  const std::int32_t last = mesh_.last_outgoing(gone);
+  for (const std::int32_t h : {first, HalfEdgeMesh::previous(last)}) {
+    const std::int32_t kept = h == first ? mesh_.target(h) : mesh_.origin(h);
+    const LatticeVertex& from = mesh_.vertices[at(gone)];
+    LatticeVertex& to = mesh_.vertices[at(kept)];
+    const bool ahead = side.along(to) > side.along(from);
+    if (side.across(to) != side.across(from) || ahead != (step.towards > 0)) continue;
+    to.z = static_cast<std::int32_t>(step.z - heights_.origin);
+    mesh_.collapse(h, kept);
+    return;
   }
 }
 
@@ -169,17 +192,17 @@ Expected<codec::TileMesh> TinMaker::take_mesh(const codec::TileId& id, int sub_b
     all_bits |= static_cast<std::uint32_t>(p.x) | static_cast<std::uint32_t>(p.y);
   }
   if (out.vertices.empty()) return out;
-  if (highest - lowest > codec::kMaxHeightAddress) {
+  const std::int64_t relief = std::int64_t{highest} - lowest;
+  if (relief > codec::kMaxHeightAddress) {
     return fail(ErrorCode::kBadData,
                 fmt::format("its relief spans {} height steps, more than the {} of the format; choose an --error at "
                             "least {:.1f} times as large",
-                            highest - lowest, codec::kMaxHeightAddress,
-                            static_cast<double>(highest - lowest) / codec::kMaxHeightAddress),
+                            relief, codec::kMaxHeightAddress, static_cast<double>(relief) / codec::kMaxHeightAddress),
                 "tile " + id.text());
   }
   const int shift = std::countr_zero(all_bits);
   out.xy_shift = shift - sub_bits;
-  out.z_offset = lowest;
+  out.z_offset = heights_.origin + lowest;
   for (codec::GridVertex& v : out.vertices) v = {v.x >> shift, v.y >> shift, v.z - lowest};
   for (std::int32_t h = 0; h < mesh_.half_edge_count(); h += 3) {
     if (!mesh_.triangle_alive(h)) continue;

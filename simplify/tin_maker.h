@@ -20,6 +20,8 @@ class TinMaker final : public TileMaker {
 
  private:
   void settle_side(RightTriangleMesh& start, const Side& side, const LevelGrid& level, const codec::TileId& id);
+  void repeat(const RibbonFlip& flip, std::int32_t near, const Side& side);
+  void repeat(const RibbonStep& step, std::int32_t gone, const Side& side);
   void refine_lattice(int sub_bits);
   void classify(std::int64_t span);
   Expected<codec::TileMesh> take_mesh(const codec::TileId& id, int sub_bits) const;
@@ -28,6 +30,7 @@ class TinMaker final : public TileMaker {
   codec::TreeLayout layout_;
   Effort effort_;
   HalfEdgeMesh mesh_;
+  HeightLattice heights_;  // what its z counts
   EdgeCollapse collapse_;
   BorderRibbon ribbon_;
 };

@@ -23,12 +23,14 @@ namespace {
 using codec::TileId;
 
 constexpr double kStepsPerBound = 4;
-/// Heights are counted in 32-bit steps from 0.
-constexpr double kMaxSteps = 1 << 30;
+/// Steps from height 0 up to which the guard against rounding (tested_bound_m) is next to nothing of a step.
+constexpr double kMaxSteps = 0x1p40;
 /// Errors and heights of which every product that a test in float forms can be formed, metres.
 constexpr double kLeastError = 1e-30;
 constexpr double kMostError = 1e30;
 constexpr double kMostHeight = 1e30;
+/// Places in a tile are counted in 32 bits, at half samples.
+constexpr std::int64_t kMostCells = std::int64_t{1} << 29;
 
 /// The largest height difference within any tile of the level.
 double largest_relief(const ReferenceSurface& surface, const codec::TreeLayout& layout, int level) {
@@ -44,6 +46,10 @@ double largest_relief(const ReferenceSurface& surface, const codec::TreeLayout& 
 
 /// Fails where not even floating-point numbers hold what has to be computed.
 Expected<void> check_scale(const codec::TreeLayout& layout, double farthest_m) {
+  if (layout.cells_across(0) > kMostCells) {
+    return fail(ErrorCode::kBadData,
+                fmt::format("has more than {} samples along a side; build it in parts", kMostCells));
+  }
   if (farthest_m > kMostHeight) {
     return fail(ErrorCode::kBadData,
                 fmt::format("heights reach {:.3g} m, which is no elevation; mark wrong samples as nodata "
@@ -120,23 +126,18 @@ std::vector<LevelSummary> make_levels(const codec::TreeLayout& layout) {
   return levels;
 }
 
-std::vector<double> height_steps(const codec::TreeLayout& layout) {
-  std::vector<double> steps;
-  for (int level = 0; level <= layout.leaf_level; ++level) steps.push_back(layout.bound_m(level) / kStepsPerBound);
-  return steps;
-}
-
 Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout) {
   const auto range = surface.height_range_m(layout.cells({0, 0, 0}));
-  const double farthest = std::max(std::abs(range[0]), std::abs(range[1]));
+  const double farthest = range[0] > range[1] ? 0 : std::max(std::abs(range[0]), std::abs(range[1]));
   if (auto computable = check_scale(layout, farthest); !computable) return tl::unexpected(computable.error());
-  std::vector<double> steps = height_steps(layout);
+  std::vector<double> steps;
   Misfit worst;
   for (int level = 0; level <= layout.leaf_level; ++level) {
     const double bound = layout.bound_m(level);
     // A vertex may lie off the samples by the bound.
     const double relief = largest_relief(surface, layout, level) + 2 * bound;
-    const double step = steps[static_cast<std::size_t>(level)];
+    const double step = bound / kStepsPerBound;
+    steps.push_back(step);
     const Misfit too_high{relief / step / codec::kMaxHeightAddress, relief, level, false};
     const Misfit too_far{farthest / step / kMaxSteps, farthest, level, true};
     worst = std::max({worst, too_high, too_far}, [](const Misfit& a, const Misfit& b) { return a.factor < b.factor; });

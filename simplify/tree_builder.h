@@ -36,11 +36,10 @@ struct LevelSummary {
 /// A summary for every level, of no tiles yet.
 std::vector<LevelSummary> make_levels(const codec::TreeLayout& layout);
 
-/// The height steps of every level: a quarter of its bound.
-std::vector<double> height_steps(const codec::TreeLayout& layout);
-/// The same. Fails with kBadData when some tile's relief or some height's distance from 0 is too large for the lattice
-/// at that step, and says what error would do; with kBadData too when heights cannot be elevations, and with kUsage
-/// when the error itself is out of all range.
+/// The height steps of every level: a quarter of its bound. Fails with kBadData when some tile's relief or some
+/// height's distance from 0 is too large for the lattice at that step, and says what error would do; with kBadData too
+/// when heights cannot be elevations, and with kUsage when the error itself is out of all range. Of a surface that
+/// knows a part of the DEM it looks at that.
 Expected<std::vector<double>> choose_height_steps(const ReferenceSurface& surface, const codec::TreeLayout& layout);
 
 /// Makes all tiles that `writer` lacks, in depth-first Z-order, children before their parent, over all threads

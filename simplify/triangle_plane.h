@@ -80,12 +80,7 @@ struct TrianglePlane {
     RectTriangle out;
     out.height = {height(px, py) - base_m, zx, zy};
     out.weight = {weight(px, py), wx, wy};
-    for (std::size_t k = 0; k < 3; ++k) {
-      // So far inside or outside, no sample of the rectangle lies on the other side.
-      const double start = std::clamp(sides[k].at(px, py), -kFarSide, kFarSide);
-      out.sides[k] = {static_cast<std::int32_t>(start), static_cast<std::int32_t>(sides[k].x),
-                      static_cast<std::int32_t>(sides[k].y)};
-    }
+    for (std::size_t k = 0; k < 3; ++k) out.sides[k] = over(sides[k], px, py);
     return out;
   }
 
@@ -93,6 +88,19 @@ struct TrianglePlane {
 
  private:
   static constexpr double kFarSide = 1 << 30;
+  static constexpr double kMostSteep = 1 << 24;
+
+  /// A side over a rectangle. Exact up to 2^20 samples of length; of longer ones, whose areas do not fit, a margin less
+  /// than 2^-16 samples wide counts as inside.
+  static Linear<std::int32_t> over(const Side& side, double px, double py) {
+    const double unit = std::max((std::abs(side.x) + std::abs(side.y)) / kMostSteep, 1.0);
+    // What rounding down may take from a sample's value.
+    const double margin = unit > 1 ? 2 * kMaxRectSamples : 0;
+    // So far inside or outside, no sample of the rectangle lies on the other side.
+    const double start = std::clamp(std::ceil(side.at(px, py) / unit) + margin, -kFarSide, kFarSide);
+    return {static_cast<std::int32_t>(start), static_cast<std::int32_t>(std::floor(side.x / unit)),
+            static_cast<std::int32_t>(std::floor(side.y / unit))};
+  }
 
   static Side side_along(const Point& p, const Point& q, double sign) {
     const double x = (p.y - q.y) * sign;

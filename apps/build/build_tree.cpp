@@ -171,7 +171,8 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
   auto input = open_input(options, progress);
   if (!input) return tl::unexpected(input.error());
   auto surface = simplify::ReferenceSurface::scan(
-      input->blocks, [&](std::uint64_t done, std::uint64_t total) { return progress("reading blocks", done, total); });
+      input->blocks, [&](std::uint64_t done, std::uint64_t total) { return progress("reading blocks", done, total); },
+      {input->memory.pyramid_bytes, input->scratch_folder});
   if (!surface) return tl::unexpected(surface.error());
   const double read_seconds = seconds_since(begun);
   if ((*surface)->valid_samples() == 0)

@@ -19,6 +19,8 @@ constexpr std::uint64_t kMiB = 1024 * 1024;
 constexpr std::uint64_t kWorkMiB = 96;
 /// GDAL's part of the caches of the DEM is one in this many.
 constexpr std::uint64_t kGdalShare = 8;
+/// The residual pyramid's is one in this many at most.
+constexpr std::uint64_t kPyramidShare = 4;
 
 /// Textures are this large by default, or twice that or four times where the photos are finer.
 constexpr int kTextureSize = 256;
@@ -47,22 +49,28 @@ int thread_count(const BuildOptions& options) {
   return options.threads > 0 ? options.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
 
-Expected<MemoryShares> share_memory(const BuildOptions& options) {
+Expected<MemoryShares> share_memory(const BuildOptions& options, const cache::RasterInfo& info) {
   const int threads = thread_count(options);
   const std::uint64_t work = kWorkMiB + kWorkMiB / 2 * static_cast<std::uint64_t>(threads);
   if (options.memory_mib < work + 64) {
     return fail(ErrorCode::kUsage, fmt::format("{} threads need at least {} MiB", threads, work + 64), "--memory");
   }
   const std::uint64_t cache_bytes = (options.memory_mib - work) * kMiB;
-  return MemoryShares{cache_bytes / kGdalShare, cache_bytes - cache_bytes / kGdalShare};
+  MemoryShares shares;
+  shares.pyramid_bytes =
+      std::min(simplify::ReferenceSurface::pyramid_bytes(info.columns, info.rows), cache_bytes / kPyramidShare);
+  shares.raster_bytes = cache_bytes / kGdalShare;
+  shares.blocks_bytes = cache_bytes - shares.raster_bytes - shares.pyramid_bytes;
+  return shares;
 }
 
 Expected<Input> open_input(const BuildOptions& options, const simplify::ProgressFn& progress) {
-  const auto memory = share_memory(options);
-  if (!memory) return tl::unexpected(memory.error());
   auto source = cache::RasterSource::open(options.dems);
   if (!source) return tl::unexpected(source.error());
-  Input input{source->info(), nullptr};
+  const auto memory = share_memory(options, source->info());
+  if (!memory) return tl::unexpected(memory.error());
+  const std::string folder = scratch_folder(options);
+  Input input{source->info(), nullptr, *memory, folder};
   if (!options.quiet) {
     for (const std::string& w : input.info.warnings) {
       fmt::print(stderr, "tintree-build: {}: warning: {}\n", input.info.path, w);
@@ -70,7 +78,7 @@ Expected<Input> open_input(const BuildOptions& options, const simplify::Progress
   }
   cache::StageOptions stage;
   stage.nodata = options.nodata;
-  stage.folder = scratch_folder(options);
+  stage.folder = folder;
   stage.raster_cache_bytes = memory->raster_bytes;
   stage.block_cache_bytes = memory->blocks_bytes;
   stage.progress = progress;
@@ -86,7 +94,7 @@ Expected<Input> open_input(const BuildOptions& options, const simplify::Progress
 Expected<std::optional<cache::OrthoSource>> open_photos(const BuildOptions& options, const cache::RasterInfo& dem,
                                                         const simplify::ProgressFn& progress) {
   if (options.orthos.empty()) return std::nullopt;
-  const auto memory = share_memory(options);
+  const auto memory = share_memory(options, dem);
   if (!memory) return tl::unexpected(memory.error());
   auto photos = cache::OrthoSource::open(options.orthos, dem);
   if (!photos) return tl::unexpected(photos.error());

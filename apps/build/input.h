@@ -23,16 +23,19 @@ int thread_count(const BuildOptions& options);
 
 /// How a build shares its memory.
 struct MemoryShares {
-  std::uint64_t raster_bytes = 0;  ///< GDAL's cache, once the DEM is staged.
-  std::uint64_t blocks_bytes = 0;  ///< The cache of height blocks.
+  std::uint64_t raster_bytes = 0;   ///< GDAL's cache, once the DEM is staged.
+  std::uint64_t blocks_bytes = 0;   ///< The cache of height blocks.
+  std::uint64_t pyramid_bytes = 0;  ///< The residual pyramid; beyond, it is paged.
 };
-/// kUsage when --memory is too little for the threads.
-Expected<MemoryShares> share_memory(const BuildOptions& options);
+/// For a DEM of so many samples. kUsage when --memory is too little for the threads.
+Expected<MemoryShares> share_memory(const BuildOptions& options, const cache::RasterInfo& info);
 
 /// The DEM and the cache over it.
 struct Input {
   cache::RasterInfo info;
   std::shared_ptr<cache::HeightBlocks> blocks;
+  MemoryShares memory;
+  std::string scratch_folder;  ///< For temporary files.
 };
 /// Opens the DEM, makes it ready to be read in small windows, and prints its warnings to standard error, unless quiet.
 /// Temporary files lie beside the output or, where there is none, in the folder for temporary files.

@@ -139,10 +139,10 @@ double largest_at_once(std::vector<std::pair<double, std::uint64_t>> vertices_an
   return sum;
 }
 
-/// Peak memory: what the process had before the sample, the whole cache, and the work on tiles. That grew by
-/// `sampled_bytes` under the sample, and goes with the tiles' vertices.
-std::uint64_t estimate_memory(const Input& input, const MemoryShares& shares, std::uint64_t before_bytes,
-                              std::uint64_t sampled_bytes, const TreePlan& plan) {
+/// Peak memory: what the process had before the sample, the whole cache, the residual pyramid, and the work on tiles.
+/// That grew by `sampled_bytes` under the sample, and goes with the tiles' vertices.
+std::uint64_t estimate_memory(const Input& input, std::uint64_t before_bytes, std::uint64_t sampled_bytes,
+                              const TreePlan& plan) {
   std::vector<std::pair<double, std::uint64_t>> in_sample;
   std::vector<std::pair<double, std::uint64_t>> in_tree;
   for (const TreePlan::Level& level : plan.levels) {
@@ -154,14 +154,12 @@ std::uint64_t estimate_memory(const Input& input, const MemoryShares& shares, st
   const double ratio = sampled > 0 ? largest_at_once(std::move(in_tree), plan.threads) / sampled : 1;
   const auto all = static_cast<std::uint64_t>(input.blocks->blocks_x() * input.blocks->blocks_y()) *
                    cache::kBlockStride * cache::kBlockSamples * sizeof(float);
-  return before_bytes + std::min(all, shares.blocks_bytes) +
+  return before_bytes + std::min(all, input.memory.blocks_bytes) + input.memory.pyramid_bytes +
          static_cast<std::uint64_t>(static_cast<double>(sampled_bytes) * std::max(ratio, 1.0));
 }
 
 Expected<TreePlan> plan_in_arena(const BuildOptions& options) {
   const auto begun = Clock::now();
-  auto shares = share_memory(options);
-  if (!shares) return tl::unexpected(shares.error());
   Progress line(options.quiet);
   const auto progress = [&](const std::string& step, std::uint64_t done, std::uint64_t total) {
     line.report(step, done, total);
@@ -173,7 +171,6 @@ Expected<TreePlan> plan_in_arena(const BuildOptions& options) {
   const auto photos = open_photos(options, input->info, progress);
   if (!photos) return tl::unexpected(photos.error());
   cache::Manifest manifest = describe_tree(options, input->info, *photos);
-  manifest.layout.z_step_m = simplify::height_steps(manifest.layout);
   TreePlan plan;
   plan.threads = thread_count(options);
   plan.samples = static_cast<std::uint64_t>(input->info.columns) * static_cast<std::uint64_t>(input->info.rows);
@@ -182,7 +179,10 @@ Expected<TreePlan> plan_in_arena(const BuildOptions& options) {
   plan.read_seconds = opening_seconds + *reading;
   const std::uint64_t before = peak_rss_bytes();
   auto samples = simplify::sample_tiles(input->blocks, manifest, stop_flag());
-  if (!samples) return tl::unexpected(samples.error());
+  if (!samples) {
+    if (samples.error().where.empty()) samples.error().where = input->info.path;
+    return tl::unexpected(samples.error());
+  }
   const std::uint64_t grown = peak_rss_bytes() - before;
 
   const auto top = static_cast<std::size_t>(
@@ -210,7 +210,7 @@ Expected<TreePlan> plan_in_arena(const BuildOptions& options) {
   plan.seconds = plan.read_seconds + plan.make_seconds + plan.picture_seconds + plan.measure_seconds;
   plan.bytes = file_bytes(*samples, levels) + textures->file_bytes + normals->file_bytes;
   const std::uint64_t cached = std::min(input->blocks->cached_bytes(), grown);
-  plan.peak_rss_bytes = estimate_memory(*input, *shares, before, grown - cached, plan);
+  plan.peak_rss_bytes = estimate_memory(*input, before, grown - cached, plan);
   plan.plan_seconds = seconds_since(begun);
   return plan;
 }

@@ -88,6 +88,14 @@ TEST_F(PlanTest, HeedsThreadsAndMemory) {
 }
 
 TEST_F(PlanTest, RefusesWhatABuildRefuses) {
+  for (const Words& error : {Words{"1e-40", "too small"}, Words{"1e40", "too large"}}) {
+    const ProgramResult scale = build({"--plan", "--error", error[0]});
+    EXPECT_EQ(scale.exit_code, kUsage) << scale.all();
+    expect_message(scale, {error[1], "--error "});
+  }
+  const ProgramResult fine = build({"--plan", "--error", "1e-9"});
+  EXPECT_EQ(fine.exit_code, kBadData) << fine.all();
+  expect_message(fine, {dem_, "heights differ by up to", "--error "});
   fs::remove(dem_);
   const ProgramResult r = build({"--plan"});
   EXPECT_EQ(r.exit_code, kIo) << r.all();

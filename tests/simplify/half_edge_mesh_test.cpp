@@ -197,5 +197,45 @@ TEST(HalfEdgeMesh, RandomCollapsesKeepItSound) {
   }
 }
 
+/// Twice the signed area, positive counter-clockwise seen from above (y runs southward).
+std::int64_t doubled_area(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& c) {
+  return std::int64_t{c.x - a.x} * (b.y - a.y) - std::int64_t{b.x - a.x} * (c.y - a.y);
+}
+
+TEST(HalfEdgeMesh, RandomFlipsKeepItSound) {
+  std::mt19937 random(5);
+  for (const double keep : {1.0, 0.9, 0.6, 0.3}) {
+    const Grid grid(8, keep, random);
+    HalfEdgeMesh mesh;
+    mesh.build(grid.vertices, grid.triangles);
+    const std::int64_t before = euler(mesh);
+    int flips = 0;
+    for (int round = 0; round < 1500; ++round) {
+      const auto h = static_cast<std::int32_t>(random() % static_cast<unsigned>(mesh.half_edge_count()));
+      if (mesh.twin(h) == kNone) continue;
+      const std::int32_t a = mesh.origin(h);
+      const std::int32_t b = mesh.target(h);
+      const std::int32_t left = mesh.origin(HalfEdgeMesh::previous(h));
+      const std::int32_t right = mesh.origin(HalfEdgeMesh::previous(mesh.twin(h)));
+      if (doubled_area(mesh.vertex(left), mesh.vertex(right), mesh.vertex(b)) <= 0 ||
+          doubled_area(mesh.vertex(left), mesh.vertex(a), mesh.vertex(right)) <= 0) {
+        continue;
+      }
+      mesh.flip(h);
+      ++flips;
+      expect_sound(mesh);
+      EXPECT_EQ(euler(mesh), before);
+      EXPECT_TRUE(neighbours(mesh, left).contains(right));
+      for (std::int32_t t = 0; t < mesh.half_edge_count(); t += 3) {
+        EXPECT_GT(
+            doubled_area(mesh.vertex(mesh.origin(t)), mesh.vertex(mesh.origin(t + 1)), mesh.vertex(mesh.origin(t + 2))),
+            0);
+      }
+      if (testing::Test::HasFailure()) return;
+    }
+    EXPECT_GT(flips, 10);
+  }
+}
+
 }  // namespace
 }  // namespace tintree::simplify

@@ -2,11 +2,14 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <filesystem>
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "tests/simplify/support.h"
+#include "tests/support/temp_dir.h"
 
 namespace tintree::simplify {
 namespace {
@@ -151,6 +154,26 @@ TEST(ReferenceSurface, ScanStopsWhenAsked) {
   ASSERT_FALSE(stopped.has_value());
   EXPECT_EQ(stopped.error().code, ErrorCode::kStopped);
   EXPECT_EQ(seen, 3U);
+}
+
+TEST(ReferenceSurface, KeepsThePyramidInAFileWhereItDoesNotFit) {
+  const Terrain terrain = test::make_terrain(1500, 1300, test::rough_hills(20, 3, 0.05));
+  const auto blocks = std::shared_ptr<cache::HeightBlocks>(&terrain.surface->blocks(), [](auto*) {});
+  const test::TempDir dir;
+  const auto on = [](std::uint64_t, std::uint64_t) { return true; };
+  const auto paged = ReferenceSurface::scan(blocks, on, {65536, dir.path()});
+  ASSERT_TRUE(paged.has_value()) << paged.error().text();
+  EXPECT_TRUE(std::filesystem::is_empty(dir.path())) << "the file has no name";
+  EXPECT_EQ((*paged)->digest(), terrain.surface->digest());
+  for (int round = 0; round < 500; ++round) {
+    const auto bx = static_cast<std::int64_t>(test::noise(round, 1) * 6);
+    const auto by = static_cast<std::int64_t>(test::noise(round, 2) * 6);
+    const BlockPatches& expected = terrain.surface->patches(bx, by);
+    EXPECT_EQ(std::memcmp(&(*paged)->patches(bx, by), &expected, sizeof expected), 0) << bx << ' ' << by;
+  }
+  const auto nowhere = ReferenceSurface::scan(blocks, on, {65536, dir.file("missing")});
+  ASSERT_FALSE(nowhere.has_value());
+  EXPECT_EQ(nowhere.error().code, ErrorCode::kIo);
 }
 
 TEST(SurfaceView, GivesEverySampleWhateverTheOrder) {

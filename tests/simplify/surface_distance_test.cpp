@@ -383,10 +383,19 @@ TEST(SurfaceDistanceCases, TheGuardGrowsWithReliefAndBound) {
   EXPECT_EQ(guard_m(0, 1), 1e-6);
   EXPECT_GT(guard_m(1000, 1), guard_m(100, 1));
   const Terrain terrain = test::make_terrain(600, 40, [](int c, int) { return c > 300 ? 1000.0 : 0.0; });
+  const double far = 1000 * 0x1p-46;
   EXPECT_EQ(tested_bound_m(*terrain.surface, {0, 0, 100, 39}, 2), 2 - guard_m(0, 2));
-  EXPECT_EQ(tested_bound_m(*terrain.surface, {260, 0, 270, 39}, 2), 2 - guard_m(1000, 2));
-  EXPECT_EQ(tested_bound_m(*terrain.surface, {100, 0, 256, 39}, 2), 2 - guard_m(1000, 2))
+  EXPECT_EQ(tested_bound_m(*terrain.surface, {260, 0, 270, 39}, 2), 2 - guard_m(1000, 2) - far);
+  EXPECT_EQ(tested_bound_m(*terrain.surface, {100, 0, 256, 39}, 2), 2 - guard_m(1000, 2) - far)
       << "the next block has the last samples too";
+}
+
+TEST(SurfaceDistanceCases, TheGuardGoesByTheReliefOfBlocksAlone) {
+  // Two plateaus, each a block of its own.
+  const Terrain terrain = test::make_terrain(600, 40, [](int c, int) {
+    return c > 250 && c < 260 ? test::kMissing : c < 256 ? -1e6 : 1e6 + c % 2;
+  });
+  EXPECT_EQ(tested_bound_m(*terrain.surface, {0, 0, 599, 39}, 2), 2 - guard_m(1, 2) - 1000001 * 0x1p-46);
 }
 
 }  // namespace

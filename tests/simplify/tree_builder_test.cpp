@@ -324,6 +324,8 @@ TEST(ChooseHeightSteps, SaysWhatErrorWouldDoFarFromZero) {
     const Terrain terrain = test::make_terrain(65, 65, [=](int c, int) { return height_m + 0.25 * (c % 2); });
     codec::TreeLayout layout = test::make_layout(terrain, 32, 1);
     layout.leaf_error_m = 0.001;
+    EXPECT_TRUE(choose_height_steps(*terrain.surface, layout).has_value());
+    layout.leaf_error_m = 1e-6;
     expect_refused(terrain, layout, ErrorCode::kBadData, {"lie up to 1e+06 m from 0", "--error ", "nodata"});
   }
 }
