@@ -9,15 +9,10 @@ import memory
 import quality
 import speed
 import trees
-from programs import BENCH, CACHE, ROOT
+from programs import BENCH, CACHE, ROOT, cpu_name
 from results import PATH, Results
 
 TABLES = ("quality", "trees", "speed", "memory")
-
-
-def cpu_name():
-    lines = Path("/proc/cpuinfo").read_text().splitlines()
-    return next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.machine())
 
 
 def arguments():

@@ -1,6 +1,7 @@
 """Runs programs and says what they cost."""
 import json
 import os
+import platform
 import shlex
 import subprocess
 import time
@@ -23,6 +24,11 @@ class Cost:
 
     def json(self):
         return json.loads(self.output.splitlines()[-1])
+
+
+def cpu_name():
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    return next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.machine())
 
 
 def shown(part):

@@ -28,10 +28,10 @@ class Lattice {
     const auto steps = [](double metres, double step, std::int32_t most) {
       return std::clamp(static_cast<std::int32_t>(std::lround(metres / step)), 0, most);
     };
-    auto out = cache::DrawVertex::pack(
-        steps(p[0] - frame_.origin_m[0], frame_.dx_m, cache::DrawVertex::kMostXy),
-        steps(frame_.origin_m[1] - p[1], frame_.dy_m, cache::DrawVertex::kMostXy),
-        steps(p[2] - static_cast<double>(frame_.z_offset) * frame_.z_step_m, frame_.z_step_m, cache::DrawVertex::kMostZ));
+    auto out = cache::DrawVertex::pack(steps(p[0] - frame_.origin_m[0], frame_.dx_m, cache::DrawVertex::kMostXy),
+                                       steps(frame_.origin_m[1] - p[1], frame_.dy_m, cache::DrawVertex::kMostXy),
+                                       steps(p[2] - static_cast<double>(frame_.z_offset) * frame_.z_step_m,
+                                             frame_.z_step_m, cache::DrawVertex::kMostZ));
     out.high = static_cast<std::uint16_t>(out.high | v.skirt());
     out.normal_x = v.normal_x;
     out.normal_y = v.normal_y;
@@ -83,13 +83,13 @@ Expected<std::unique_ptr<StaticScene>> StaticScene::bake(const render::GlFunctio
   if (!out->pool_.upload({}, all)) return fail(ErrorCode::kIo, "the card has no room for the static buffer");
   const cache::Box box = scene.bounds().box(scene.bounds().nodes().front());
   out->bounds_ = cache::TileBounds(scene.bounds().layout(), std::vector<cache::TileInfo>{{.id = {},
-                                                                                         .vertices = 0,
-                                                                                         .triangles = 0,
-                                                                                         .z_min_m = box.min[2],
-                                                                                         .z_max_m = box.max[2],
-                                                                                         .error_m = 0,
-                                                                                         .rms_m = 0,
-                                                                                         .border_error_m = 0}});
+                                                                                          .vertices = 0,
+                                                                                          .triangles = 0,
+                                                                                          .z_min_m = box.min[2],
+                                                                                          .z_max_m = box.max[2],
+                                                                                          .error_m = 0,
+                                                                                          .rms_m = 0,
+                                                                                          .border_error_m = 0}});
   out->cut_ = cut;
   out->cut_.draws = {{0, 0, 0, cut.nearest_m, cut.farthest_m, false}};
   return out;
