@@ -61,8 +61,9 @@ class Walk {
     const bool leaf = node.child_mask == 0;
     if (leaf || seen.error_px <= options_.pixel_error) return take(index, seen);
     if (visit_children(index, [this](std::uint32_t child) { return visit(child); })) return true;
-    if (state(index) != TileState::kResident) {
-      ask(node);
+    const TileState here = state(index);
+    if (here != TileState::kResident) {
+      if (here == TileState::kMissing) ask(node);
       return false;
     }
     draw(index, seen, true);
@@ -79,8 +80,10 @@ class Walk {
     }
     cut_.complete = false;
     if (is_forsaken(index)) return visit_children(index, [this](std::uint32_t child) { return visit(child); });
-    if (here == TileState::kMissing) ++cut_.late;
-    ask(bounds_->nodes()[index]);
+    if (here == TileState::kMissing) {
+      ++cut_.late;
+      ask(bounds_->nodes()[index]);
+    }
     return visit_children(index, [this](std::uint32_t child) { return stand_in_finer(child); });
   }
 
