@@ -139,8 +139,9 @@ class Walk {
     const bool leaf = node.child_mask == 0;
     if (leaf || is_fine_enough(node, seen)) return take(index, seen);
     if (visit_children(index, [this](std::uint32_t child) { return visit(child); })) return true;
-    if (state(index) != TileState::kResident) {
-      ask(node);
+    const TileState here = state(index);
+    if (here != TileState::kResident) {
+      if (here == TileState::kMissing) ask(node);
       return false;
     }
     draw(index, seen, true);
@@ -157,8 +158,10 @@ class Walk {
     }
     cut_.complete = false;
     if (is_forsaken(index)) return visit_children(index, [this](std::uint32_t child) { return visit(child); });
-    if (here == TileState::kMissing) ++cut_.late;
-    ask(bounds_->nodes()[index]);
+    if (here == TileState::kMissing) {
+      ++cut_.late;
+      ask(bounds_->nodes()[index]);
+    }
     return visit_children(index, [this](std::uint32_t child) { return stand_in_finer(child); });
   }
 

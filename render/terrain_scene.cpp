@@ -151,8 +151,10 @@ void TerrainScene::sum_up() {
 bool TerrainScene::busy(const LodCut& cut) {
   if (cut.complete) return false;
   if (!cache_->idle()) return true;
-  return !pool_full_ &&
-         std::ranges::any_of(cut.requests, [this](const cache::TileRef& t) { return cache_->get(t) != nullptr; });
+  // What has come, or has been lost, since this cut was chosen changes the next.
+  return std::ranges::any_of(cut.requests, [this](const cache::TileRef& t) {
+    return cache_->lost(t) || (!pool_full_ && cache_->get(t) != nullptr);
+  });
 }
 
 Expected<LodCut> TerrainScene::settle(const Camera& camera) {

@@ -80,11 +80,15 @@ class SceneTest : public testing::Test {
   static Picture settled_picture(TerrainScene& scene, const Camera& camera) {
     const auto cut = scene.settle(camera);
     EXPECT_TRUE(cut) << cut.error().text();
+    return picture(scene, camera, *cut);
+  }
+
+  static Picture picture(TerrainScene& scene, const Camera& camera, const LodCut& cut) {
     const auto target = OffscreenTarget::create(gl_, kWidth, kHeight, 1);
     EXPECT_TRUE(target);
     Style style;
     style.background = glm::vec3(1, 0, 1);
-    scene.draw(*target, camera, *cut, style);
+    scene.draw(*target, camera, cut, style);
     EXPECT_EQ(gl_.GetError(), static_cast<GLenum>(GL_NO_ERROR));
     return target->read_picture();
   }
@@ -173,6 +177,23 @@ TEST_F(SceneTest, WhatIsOnTheScreenDependsOnTheCameraAlone) {
     if (step % 2 == 0) s->update(all[random() % all.size()], 0.1 * step);
     EXPECT_EQ(settled_picture(*s, all[i]).rgb, alone[i].rgb) << step;
   }
+}
+
+// Without waiting, a tile a frame: from the first frame that has the root on there is ground wherever ground belongs.
+TEST_F(SceneTest, HolesNeverShowWhileTilesCome) {
+  const cache::TileStore store = tree({});
+  SceneOptions options;
+  options.upload_bytes = 1;
+  const auto s = scene({&store}, options);
+  const std::vector<Camera> all = views();
+  ASSERT_TRUE(s->settle(camera({640, -640, 1e6}, {641, -640, 0})));
+  int incomplete = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const LodCut cut = s->update(all[i], 0.01 * static_cast<double>(i));
+    incomplete += cut.complete ? 0 : 1;
+    EXPECT_EQ(count_magenta(picture(*s, all[i], cut)), 0) << i;
+  }
+  EXPECT_GT(incomplete, 3);
 }
 
 TEST_F(SceneTest, NothingIsAllocatedOnceTheMemoryIsFull) {
