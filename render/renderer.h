@@ -22,6 +22,9 @@ struct Style {
   double sun_elevation_rad = 0.5934119456780721;  ///< Above the horizon: 34 degrees.
   /// One sRGB colour (0 to 1) behind the ground, without haze before it; without it, a sky.
   std::optional<glm::vec3> background;
+  /// Metres from the eye at which fog takes 95 hundredths of the ground's light; 0: the air of a clear day, by the
+  /// scene's size.
+  double fog_m = 0;
   bool wireframe = false;
   bool skirts = true;  ///< Off only to see the gaps that they fill.
 };

@@ -60,6 +60,7 @@ Expected<void> draw_still(const render::GlFunctions& gl, render::TerrainScene::S
   if (!target) return tl::unexpected(target.error());
   render::SceneOptions scene_options;
   scene_options.cut.pixel_error = options.pixel_error;
+  scene_options.cut.morph = options.morph;
   scene_options.gpu_bytes = options.gpu_bytes;
   const auto scene = render::TerrainScene::create(gl, stores, scene_options);
   if (!scene) return tl::unexpected(scene.error());
@@ -76,7 +77,7 @@ Expected<void> draw_still(const render::GlFunctions& gl, render::TerrainScene::S
   figures.load_seconds = seconds_since(loading);
   gl.Finish();
   const auto drawing = Clock::now();
-  figures.drawn = (*scene)->draw(*target, *camera, figures.cut, {});
+  figures.drawn = (*scene)->draw(*target, *camera, figures.cut, options.style);
   gl.Finish();
   figures.frame_seconds = seconds_since(drawing);
   if (!options.screenshot.empty()) {

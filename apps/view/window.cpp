@@ -258,6 +258,7 @@ Expected<void> run_window(render::TerrainScene::Stores stores, const ViewOptions
 
   render::SceneOptions scene_options;
   scene_options.cut.pixel_error = options.pixel_error;
+  scene_options.cut.morph = options.morph;
   scene_options.upload_bytes = kUploadBytes;
   scene_options.gpu_bytes = options.gpu_bytes;
   const auto scene = render::TerrainScene::create(*gl, stores, scene_options);
