@@ -98,6 +98,11 @@ class Walk {
                           : std::numeric_limits<double>::infinity()};
   }
 
+  bool is_fine_enough(const cache::TileNode& node, const Seen& seen) const {
+    const bool sharp = bounds_->texel_m(node.id.level) == 0 || seen.texel_px <= options_.texel_px;
+    return seen.error_px <= options_.pixel_error && sharp;
+  }
+
   /// A node is hidden with its box, or with the boxes of those below it, which fit closer: its tile, and any
   /// between, leaves them by no more than its error and theirs.
   bool hidden(const cache::TileNode& node, const cache::Box& box, double error_m, int look_below) const {

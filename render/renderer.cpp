@@ -14,6 +14,7 @@ namespace {
 constexpr double kMostSkirtPx = 16;
 /// Share of the background's colour a diagonal of the scene behind the nearest ground: 1 - exp(-kHaze).
 constexpr double kHaze = 0.25;
+constexpr double kFog = 3;  // exp(-3) is 0.05.
 
 void set(const GlFunctions& gl, GLint location, const glm::dvec3& v) {
   gl.Uniform3f(location, static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
@@ -106,8 +107,9 @@ void Renderer::set_terrain_uniforms(const Camera& camera, Trees trees, const Lod
   set(*gl_, terrain_.uniform("skirt_slope"), skirt_slope(camera, cut));
   set(*gl_, terrain_.uniform("eye_rise"), camera.eye.z - box.min[2]);
   set(*gl_, terrain_.uniform("relief"), std::max(box.max[2] - box.min[2], 1e-3));
-  set(*gl_, terrain_.uniform("haze_per_metre"), style.background ? 0.0 : kHaze / std::max(diagonal_m(box), 1e-3));
-  set(*gl_, terrain_.uniform("haze_begin"), cut.nearest_m);
+  const double haze = style.fog_m > 0 ? kFog / style.fog_m : kHaze / std::max(diagonal_m(box), 1e-3);
+  set(*gl_, terrain_.uniform("haze_per_metre"), style.background ? 0.0 : haze);
+  set(*gl_, terrain_.uniform("haze_begin"), style.fog_m > 0 ? 0.0 : cut.nearest_m);
   gl_->Uniform1i(terrain_.uniform("photo"), 0);
   gl_->Uniform1i(terrain_.uniform("normal_directions"), 1);
   gl_->Uniform1i(terrain_.uniform("normal_lengths"), 2);

@@ -25,6 +25,9 @@ struct Style {
   std::optional<glm::vec3> background;
   Tint tint = Tint::kHeight;
   double allowed_px = 1;  ///< What Tint::kError measures errors by.
+  /// Metres from the eye at which fog takes 95 hundredths of the ground's light; 0: the air of a clear day, by the
+  /// scene's size.
+  double fog_m = 0;
   bool wireframe = false;
   bool skirts = true;  ///< Off only to see the gaps that they fill.
 };

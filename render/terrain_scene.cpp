@@ -50,7 +50,7 @@ TerrainScene::TerrainScene(const GlFunctions& gl, Stores stores, std::span<const
       cache_(std::make_unique<cache::TileCache>(
           sources(stores, places),
           cache::TileCache::Options{
-              .bytes = options.cache_bytes, .texture_blocks = gl.texture_blocks, .morph = options.cut.morph})),
+              .bytes = options.cache_bytes, .morph = options.cut.morph, .texture_blocks = gl.texture_blocks})),
       pool_(gl, mesh_bytes(stores, options.gpu_bytes), options.gpu_bytes - mesh_bytes(stores, options.gpu_bytes)),
       renderer_(std::move(renderer)) {
   placed_.reserve(stores.size());

@@ -43,6 +43,8 @@ int main(int argc, char** argv) {
   CLI::App app{"Draws a tile tree: the coarsest tiles whose error stays under a pixel.", "tintree-view"};
   app.add_option("TREE", line.trees, "The .tintree files: one scene, each where its georeference says")->required();
   app.add_option("--pixel-error", line.pixel_error, "Largest error on the screen, pixels")->capture_default_str();
+  app.add_flag("--morph", line.morph, "Let levels of detail flow into each other, for --pixel-error above 1");
+  app.add_option("--fog", line.fog_m, "Fog: metres at which it hides the ground");
   app.add_option("--gpu-memory", line.gpu_memory_mib, "Graphics memory for tiles, MiB")->capture_default_str();
   app.add_option("--size", line.size, "WIDTHxHEIGHT of the picture or window, pixels (1280x720)");
   app.add_option("--headless", line.headless, "Draw without a window: egl (graphics card) or osmesa (software)");

@@ -120,6 +120,7 @@ nlohmann::ordered_json to_json(const Frame& f) {
       {"draw_calls", f.drawn.draw_calls},
       {"tiles", f.drawn.tiles},
       {"frustum_culled", f.cut.culled},
+      {"occluded", f.cut.occluded},
       {"max_error_px", f.cut.max_error_px},
       {"wanted_tiles", f.cut.wanted},
       {"late_tiles", f.cut.late},
@@ -204,6 +205,7 @@ Expected<void> play_flight(const render::GlFunctions& gl, render::TerrainScene::
   if (!target) return tl::unexpected(target.error());
   render::SceneOptions scene_options;
   scene_options.cut.pixel_error = options.pixel_error;
+  scene_options.cut.morph = options.morph;
   scene_options.gpu_bytes = options.gpu_bytes;
   scene_options.upload_bytes = kUploadBytes;
   const auto scene = render::TerrainScene::create(gl, stores, scene_options);

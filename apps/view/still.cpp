@@ -80,6 +80,7 @@ Expected<void> draw_still(const render::GlFunctions& gl, render::TerrainScene::S
   if (!target) return tl::unexpected(target.error());
   render::SceneOptions scene_options;
   scene_options.cut.pixel_error = options.pixel_error;
+  scene_options.cut.morph = options.morph;
   scene_options.gpu_bytes = options.gpu_bytes;
   const auto scene = render::TerrainScene::create(gl, stores, scene_options);
   if (!scene) return tl::unexpected(scene.error());

@@ -121,6 +121,10 @@ Expected<ViewOptions> read_options(const CommandLine& line) {
   out.real_time = line.real_time;
   out.json = line.json;
   out.quiet = line.quiet;
+  out.morph = line.morph;
+  if (!std::isfinite(line.fog_m) || line.fog_m < 0)
+    return fail(ErrorCode::kUsage, "wants a distance in metres, 0 or more", "--fog");
+  out.style.fog_m = line.fog_m;
   if (!std::isfinite(line.pixel_error) || line.pixel_error < 0) {
     return fail(ErrorCode::kUsage, "wants a number of pixels, 0 or more", "--pixel-error");
   }

@@ -8,6 +8,7 @@
 #include "codec/error.h"
 #include "render/camera.h"
 #include "render/gl_context.h"
+#include "render/renderer.h"
 #include "render/lod_cut.h"
 #include "render/renderer.h"
 
@@ -30,6 +31,8 @@ struct CommandLine {
   double fps = 30;
   bool real_time = false;
   std::string json;
+  bool morph = false;
+  double fog_m = 0;
   bool quiet = false;
 };
 
@@ -51,6 +54,8 @@ struct ViewOptions {
   double fps = 30;
   bool real_time = false;  ///< The clock leads the camera, not the frame's number.
   std::string json;
+  bool morph = false;
+  render::Style style;
   bool quiet = false;
 };
 

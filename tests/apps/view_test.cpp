@@ -58,6 +58,23 @@ TEST_F(ViewProgram, WritesAPictureAndItsFigures) {
   EXPECT_FALSE(std::filesystem::exists(png + ".tmp"));
 }
 
+TEST_F(ViewProgram, MorphsAndFogs) {
+  const std::vector<std::string> plain{tree_,     "--headless",    "osmesa", "--size",
+                                       "200x100", "--pixel-error", "4",      "--quiet"};
+  const auto shot = [&](std::vector<std::string> extra) {
+    const std::string png = dir_.file("shot.png");
+    extra.insert(extra.begin(), plain.begin(), plain.end());
+    extra.insert(extra.end(), {"--screenshot", png});
+    const auto r = view(extra);
+    EXPECT_EQ(r.exit_code, 0) << r.all();
+    return test::read_file(png);
+  };
+  const std::string still = shot({});
+  EXPECT_NE(shot({"--fog", "500"}), still);
+  EXPECT_FALSE(shot({"--morph"}).empty());
+  expect_failure(view({tree_, "--headless", "osmesa", "--fog", "-1"}), 2, "--fog");
+}
+
 TEST_F(ViewProgram, DrawsThroughEglWhereThereIsOne) {
   const auto egl = view({tree_, "--headless", "egl", "--screenshot", dir_.file("b.png"), "--quiet"});
   if (egl.exit_code == 4) GTEST_SKIP() << egl.err;

@@ -213,6 +213,25 @@ TEST_F(RendererTest, TheGroundIsLitFromTheSun) {
   EXPECT_LT(brightness(kWidth / 4) + 60, brightness(3 * kWidth / 4));
 }
 
+TEST_F(RendererTest, FogTakesTheFarGround) {
+  open({});
+  const auto s = scene();
+  const Camera c = camera({640, -1250, 120}, {640, -600, 0});
+  const auto cut = s->settle(c);
+  ASSERT_TRUE(cut);
+  const auto spread = [&](double fog_m, int y) {
+    Style style;
+    style.fog_m = fog_m;
+    const Picture p = picture(*s, c, *cut, style);
+    int low = 255, high = 0;
+    for (int x = 0; x < kWidth; ++x) low = std::min(low, int{p.at(x, y)[1]}), high = std::max(high, int{p.at(x, y)[1]});
+    return high - low;
+  };
+  EXPECT_GT(spread(0, 110), 20);
+  EXPECT_LT(spread(200, 110), 10);
+  EXPECT_GT(spread(20000, 110), 10);
+}
+
 TEST_F(RendererTest, DepthTellsTheDistance) {
   test::AnalyticTree tree;
   tree.height_m = [](double, double) { return 100; };
