@@ -51,7 +51,7 @@ Expected<PicturePlan> judge(simplify::PictureLayer& layer, const Leaves& leaves)
   plan.bytes = static_cast<std::uint64_t>(static_cast<double>(sum) * factor);
   cache::PackedSize size;
   for (std::uint64_t i = 0; i < plan.pictures; ++i) size.add(sizes[i % sizes.size()]);
-  plan.file_bytes = plan.pictures > 0 ? size.bytes() : 0;
+  plan.file_bytes = size.bytes() - cache::PackedSize().bytes();
   return plan;
 }
 

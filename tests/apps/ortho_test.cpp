@@ -1,8 +1,6 @@
 /// A build with photos and normal maps, from the command line.
 
-#include <chrono>
-#include <csignal>
-#include <thread>
+#include <cmath>
 
 #include "codec/texture_codec.h"
 #include "tests/apps/build_support.h"
@@ -92,30 +90,6 @@ TEST_F(OrthoTest, DigestCoversPicturesAndNotThreads) {
   EXPECT_EQ(one, two);
   EXPECT_NE(one, plain);
   EXPECT_NE(one, other);
-}
-
-TEST_F(OrthoTest, AKilledBuildKeepsItsPictures) {
-  const Words options{"--ortho", photo_, "--normal-maps", "--tile", "8", "--texture-size", "256", "--threads", "1"};
-  const json whole = report_of(options);
-  remove_tree();
-  RunningProgram program(TINTREE_BUILD, words(options));
-  // Until the pictures are being made: they take longer than all else.
-  const std::string building = cache::TileWriter::building_path(tree_);
-  const std::uint64_t enough = whole.at("bytes").get<std::uint64_t>() / 3;
-  const auto written = [&] {
-    std::error_code ec;
-    const auto size = fs::file_size(building + "-wal", ec);
-    return ec ? 0 : size;
-  };
-  while (program.running() && written() < enough) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  program.send(SIGKILL);
-  ASSERT_EQ(program.wait().exit_code, 128 + SIGKILL);
-  Words resume = options;
-  resume.emplace_back("--resume");
-  const json again = report_of(resume);
-  EXPECT_EQ(again.at("digest"), whole.at("digest"));
-  EXPECT_LT(again.at("textures_made"), whole.at("textures_made"));
-  EXPECT_EQ(again.at("textures").at("pictures"), whole.at("textures").at("pictures"));
 }
 
 TEST_F(OrthoTest, ResumeRefusesAChangedPhotoByName) {

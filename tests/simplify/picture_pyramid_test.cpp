@@ -40,10 +40,12 @@ class PicturePyramidTest : public testing::Test {
   }
 
   static double height(int c, int r) { return test::hills(c, r, 60); }
+  /// Colours on a line, which BC1 keeps well.
   static std::array<std::uint8_t, 4> color(int c, int r) {
-    auto out = test::meadow(c, r);
-    if (c > 55) out[3] = 0;
-    return out;
+    const auto both = test::meadow(c, r);
+    const auto v = static_cast<std::uint8_t>((both[0] + both[1]) / 2);
+    return {v, static_cast<std::uint8_t>(v / 2 + 60), static_cast<std::uint8_t>(200 - v / 2),
+            static_cast<std::uint8_t>(c > 55 ? 0 : 255)};
   }
 
   cache::TileWriter writer(const std::string& name) const {
