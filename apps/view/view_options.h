@@ -55,7 +55,6 @@ struct ViewOptions {
   bool real_time = false;  ///< The clock leads the camera, not the frame's number.
   std::string json;
   bool morph = false;
-  render::Style style;
   bool quiet = false;
 };
 

@@ -76,9 +76,9 @@ class Window : public testing::Test {
     const std::string ready = dir_.file("display");
     const std::string name = ":" + std::to_string(number);
     xvfb_ = std::make_unique<test::RunningProgram>(
-        "/bin/sh",
-        std::vector<std::string>{"-c", "exec /usr/bin/Xvfb " + name +
-                                           " -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3> '" + ready + "'"});
+        "/bin/sh", std::vector<std::string>{"-c", "exec /usr/bin/Xvfb " + name +
+                                                      " -displayfd 3 -noreset -screen 0 640x480x24 -nolisten tcp 3> '" +
+                                                      ready + "'"});
     wait_for([&] { return test::read_file(ready).ends_with('\n') || !xvfb_->running(); });
     if (xvfb_->running()) display_ = "DISPLAY=" + name;
   }
@@ -130,7 +130,7 @@ class Window : public testing::Test {
       window_ = xdotool({"search", "--onlyvisible", "--name", "small.tintree"}).out;
       return !window_.empty() || !view_->running();
     }));
-    ASSERT_TRUE(view_->running()) << view_->wait().all();
+    ASSERT_TRUE(view_->running()) << view_->wait().all() << test::read_file(dir_.file("errors"));
     window_.pop_back();
     ASSERT_NO_FATAL_FAILURE(focus());
   }
