@@ -94,7 +94,7 @@ struct GlFunctions {
   /// Null below OpenGL 4.5 without GL_ARB_clip_control; the renderer then does with less depth precision.
   PFNGLCLIPCONTROLPROC ClipControl = nullptr;
   bool texture_blocks = false;  ///< BC1 in sRGB can be drawn (EXT_texture_compression_s3tc, EXT_texture_sRGB).
-  bool anisotropic = false;     ///< EXT_texture_filter_anisotropic.
+  bool anisotropic = false;     ///< EXT_texture_filter_anisotropic, where a card does it.
   std::string renderer;         ///< The driver's own name and version.
 };
 
