@@ -17,6 +17,8 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMiB = 1024 * 1024;
 /// What a build takes besides the caches of the DEM, and half of it again for every thread.
 constexpr std::uint64_t kWorkMiB = 96;
+/// One part in this many of what is left stays free: allocators never give back all.
+constexpr std::uint64_t kSpareShare = 5;
 /// GDAL's part of the caches of the DEM is one in this many.
 constexpr std::uint64_t kGdalShare = 8;
 /// The residual pyramid's is one in this many at most.
@@ -55,7 +57,8 @@ Expected<MemoryShares> share_memory(const BuildOptions& options, const cache::Ra
   if (options.memory_mib < work + 64) {
     return fail(ErrorCode::kUsage, fmt::format("{} threads need at least {} MiB", threads, work + 64), "--memory");
   }
-  const std::uint64_t cache_bytes = (options.memory_mib - work) * kMiB;
+  const std::uint64_t free_bytes = (options.memory_mib - work) * kMiB;
+  const std::uint64_t cache_bytes = free_bytes - free_bytes / kSpareShare;
   MemoryShares shares;
   shares.pyramid_bytes =
       std::min(simplify::ReferenceSurface::pyramid_bytes(info.columns, info.rows), cache_bytes / kPyramidShare);

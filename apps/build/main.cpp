@@ -2,6 +2,8 @@
 #include <cstdio>
 #include <string>
 
+#include <malloc.h>
+
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
@@ -47,9 +49,14 @@ Expected<void> plan(const BuildOptions& o) {
   return o.json.empty() ? Expected<void>{} : tintree::app::write_json(o.json, tintree::app::plan_json(*plan, o));
 }
 
+/// Has blocks of the DEM, made on one thread and dropped on another, go back to the system at once. Without this the
+/// C library keeps room for as many as each thread ever had, beyond --memory.
+void give_back_large_memory() { ::mallopt(M_MMAP_THRESHOLD, 256 * 1024); }
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  give_back_large_memory();
   BuildOptions o;
   std::string nodata = "hole";
   CLI::App app{"Builds a tile tree with a guaranteed, measured error from an elevation model", "tintree-build"};
