@@ -1,15 +1,15 @@
 """scripts/bench build: tintree-build beside what else one could use. See scripts/bench --help."""
 import argparse
-import fcntl
 import platform
 import sys
 from pathlib import Path
 
+import exclusive
 import memory
 import quality
 import speed
 import trees
-from programs import BENCH, CACHE, ROOT, cpu_name
+from programs import ROOT, cpu_name
 from results import PATH, Results
 
 TABLES = ("quality", "trees", "speed", "memory")
@@ -37,14 +37,7 @@ def main():
     if args.show:
         show(args.show)
         return
-    if not args.data.is_dir():
-        sys.exit(f"scripts/bench: {args.data}: no such folder; name the one with the DEMs of docs/performance.md: --data DIR")
-    CACHE.mkdir(parents=True, exist_ok=True)
-    lock = (BENCH / "lock").open("w")
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        sys.exit("scripts/bench: another run is going on in build/bench; wait for it, for two would disturb each other")
+    lock = exclusive.begin(args.data)  # held until the end
     results = Results()
     print(f"## scripts/bench build, {results.run}, {cpu_name()}, {platform.system()} {platform.machine()}")
     runs = {

@@ -2,11 +2,11 @@
 import argparse
 import json
 import math
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
+import exclusive
 from datasets import Raster
 from memo import digest
 from osgeo import gdal
@@ -135,9 +135,7 @@ def main():
     args = arguments()
     results = Results(args.show)
     if not args.show:
-        if not args.data.is_dir():
-            sys.exit(f"scripts/bench: {args.data}: no such folder; name the one with the DEMs of docs/performance.md: --data DIR")
-        CACHE.mkdir(parents=True, exist_ok=True)
+        lock = exclusive.begin(args.data)  # held until the end
         for name in args.only or FLIGHTS:
             fly(results, name, args.data, args.views, args.quick)
     print_tables(results)

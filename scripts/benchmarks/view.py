@@ -1,15 +1,15 @@
 """scripts/bench view: recorded flights through tintree-view. See scripts/bench --help."""
 import argparse
-import fcntl
 import json
 import platform
 import sys
 from pathlib import Path
 from statistics import median
 
+import exclusive
 import flights
 from datasets import DEMS, Raster, crop, whole
-from programs import BENCH, BIN, CACHE, ROOT, cpu_name, run
+from programs import BIN, CACHE, ROOT, cpu_name, run
 from results import PATH, Results, number, print_table
 
 SIDES = (1025, 2049, 4097, 8193)
@@ -133,14 +133,7 @@ def main():
         print_flights(Results(args.show))
         print_sizes(Results(args.show))
         return
-    if not args.data.is_dir():
-        sys.exit(f"scripts/bench: {args.data}: no such folder; name the one with the DEMs of docs/performance.md: --data DIR")
-    CACHE.mkdir(parents=True, exist_ok=True)
-    lock = (BENCH / "lock").open("w")
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        sys.exit("scripts/bench: another run is going on in build/bench; wait for it, for two would disturb each other")
+    lock = exclusive.begin(args.data)  # held until the end
     results = Results()
     print(f"## scripts/bench view, {results.run}, {cpu_name()}, {platform.system()} {platform.machine()}")
     for table in args.only or ("flights", "sizes"):
