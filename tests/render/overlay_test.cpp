@@ -11,11 +11,11 @@
 #include "render/font.h"
 #include "render/frozen_cut.h"
 #include "render/frustum.h"
-#include "render/gl_context.h"
 #include "render/line_drawer.h"
 #include "render/offscreen_target.h"
 #include "render/text_drawer.h"
 #include "render/tile_tint.h"
+#include "tests/render/osmesa_test.h"
 #include "tests/render/analytic_tree.h"
 
 namespace tintree::render {
@@ -58,18 +58,8 @@ TEST(Font, ReadsUtf8AndKeepsToTheEnd) {
   EXPECT_EQ(character_count("36°N \xe2\x82"), 6U) << "a text that was cut off inside a character";
 }
 
-class Overlay : public testing::Test {
+class Overlay : public OsMesaTest {
  protected:
-  static void SetUpTestSuite() {
-    auto context = HeadlessContext::create(Headless::kOsMesa);
-    ASSERT_TRUE(context) << context.error().text();
-    context_ = std::move(*context);
-    auto gl = load_gl(context_->get_function());
-    ASSERT_TRUE(gl) << gl.error().text();
-    gl_ = std::move(*gl);
-  }
-  static void TearDownTestSuite() { context_.reset(); }
-
   void SetUp() override {
     target_.emplace(std::move(*OffscreenTarget::create(gl_, kWidth, kHeight, 4)));
     target_->bind();
@@ -79,13 +69,8 @@ class Overlay : public testing::Test {
     gl_.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   }
 
-  static std::unique_ptr<HeadlessContext> context_;
-  static GlFunctions gl_;
   std::optional<OffscreenTarget> target_;
 };
-
-std::unique_ptr<HeadlessContext> Overlay::context_;
-GlFunctions Overlay::gl_;
 
 TEST_F(Overlay, PanelsCoverTheirAreaAndMix) {
   const auto text = TextDrawer::create(gl_);

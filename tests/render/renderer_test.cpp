@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "render/frustum.h"
-#include "render/gl_context.h"
 #include "render/terrain_scene.h"
+#include "tests/render/osmesa_test.h"
 #include "tests/render/analytic_tree.h"
 #include "tests/support/temp_dir.h"
 
@@ -25,18 +25,8 @@ const glm::vec3 kMagenta(1, 0, 1);
 bool is_magenta(const std::array<std::uint8_t, 3>& c) { return c[0] == 255 && c[1] == 0 && c[2] == 255; }
 
 /// Pictures of an analytic tree under OSMesa, before magenta.
-class RendererTest : public testing::Test {
+class RendererTest : public OsMesaTest {
  protected:
-  static void SetUpTestSuite() {
-    auto context = HeadlessContext::create(Headless::kOsMesa);
-    ASSERT_TRUE(context) << context.error().text();
-    context_ = std::move(*context);
-    auto gl = load_gl(context_->get_function());
-    ASSERT_TRUE(gl) << gl.error().text();
-    gl_ = std::move(*gl);
-  }
-  static void TearDownTestSuite() { context_.reset(); }
-
   void open(const test::AnalyticTree& tree) {
     const std::string path = dir_.path() + "/renderer_test.tintree";
     tree.write(path);
@@ -90,8 +80,6 @@ class RendererTest : public testing::Test {
     return count;
   }
 
-  inline static std::unique_ptr<HeadlessContext> context_;
-  inline static GlFunctions gl_;
   test::TempDir dir_;
   std::optional<cache::TileStore> store_;
 };

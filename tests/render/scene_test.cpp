@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "render/gl_context.h"
+#include "tests/render/osmesa_test.h"
 #include "tests/render/analytic_tree.h"
 #include "tests/support/temp_dir.h"
 
@@ -32,18 +32,8 @@ double height_m(double x, double y) {
   return 60 * std::sin(x / 170) * std::cos(y / 130) + 25 * std::sin(x / 41 + y / 57);
 }
 
-class SceneTest : public testing::Test {
+class SceneTest : public OsMesaTest {
  protected:
-  static void SetUpTestSuite() {
-    auto context = HeadlessContext::create(Headless::kOsMesa);
-    ASSERT_TRUE(context) << context.error().text();
-    context_ = std::move(*context);
-    auto gl = load_gl(context_->get_function());
-    ASSERT_TRUE(gl) << gl.error().text();
-    gl_ = std::move(*gl);
-  }
-  static void TearDownTestSuite() { context_.reset(); }
-
   /// Writes a tree of a piece of the terrain, georeferenced from `origin` in metres.
   cache::TileStore tree(const Piece& piece, std::array<double, 2> origin = {0, 0}, double spacing_m = 10,
                         double lift_m = 0, double stretch = 1) {
@@ -114,8 +104,6 @@ class SceneTest : public testing::Test {
     return out;
   }
 
-  inline static std::unique_ptr<HeadlessContext> context_;
-  inline static GlFunctions gl_;
   test::TempDir dir_;
   int written_ = 0;
 };
