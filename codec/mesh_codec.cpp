@@ -1,12 +1,22 @@
 #include "codec/mesh_codec.h"
 
+#include <algorithm>
+#include <array>
+
 #include "codec/draco_mesh.h"
 
 namespace tintree::codec {
 
 const MeshCodec* find_codec(std::string_view method) {
+  struct Method {
+    std::string_view name;
+    const MeshCodec* codec;
+  };
   static const DracoMesh tin;
-  return method == "tin" ? &tin : nullptr;
+  /// One row a method, as in simplify/tile_maker.cpp.
+  static const std::array methods{Method{"tin", &tin}};
+  const auto* found = std::ranges::find(methods, method, &Method::name);
+  return found == methods.end() ? nullptr : found->codec;
 }
 
 }  // namespace tintree::codec

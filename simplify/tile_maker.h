@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "codec/error.h"
 #include "codec/grid_frame.h"
@@ -24,6 +26,9 @@ class TileMaker {
   /// what the DEM's reader says, and with kStopped soon after a stop was asked for, even inside a tile.
   virtual Expected<codec::TileMesh> make(const codec::TileId& id) = 0;
 };
+
+/// The methods that make_tile_maker() knows, the default one first.
+std::vector<std::string> method_names();
 
 /// A maker of the method ("tin"), or null for one that this version lacks. `stop` must outlive it.
 std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,

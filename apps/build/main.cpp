@@ -12,6 +12,7 @@
 #include "apps/build/summary.h"
 #include "apps/common/json_file.h"
 #include "apps/common/program.h"
+#include "simplify/tile_maker.h"
 
 namespace {
 
@@ -66,7 +67,9 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", o.output, "Tree to write (.tintree); required, except with --plan");
   app.add_option("--error", o.error_m,
                  "Error bound of the leaves in metres; doubles with every level up (default: half the sample spacing)");
-  app.add_option("--method", o.method, "How tiles are made")->check(CLI::IsMember({"tin"}))->capture_default_str();
+  app.add_option("--method", o.method, "How tiles are made")
+      ->check(CLI::IsMember(tintree::simplify::method_names()))
+      ->capture_default_str();
   app.add_option("--effort", o.effort, "fast, or best for fewer triangles and bytes in a multiple of the time")
       ->check(CLI::IsMember({"fast", "best"}))
       ->capture_default_str();
