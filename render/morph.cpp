@@ -21,4 +21,18 @@ double morph_weight(const cache::TileBounds& bounds, std::uint32_t node, const C
   return std::clamp((allowed - fine) / (coarse - fine), 0.0, 1.0);
 }
 
+double farthest_morph_m(const cache::TileBounds& bounds, const cache::TileNode& node) {
+  if (node.id.level == 0) return 0;
+  const cache::TileNode& parent = bounds.nodes()[static_cast<std::size_t>(bounds.find(node.id.parent()))];
+  return static_cast<double>(node.lod_error_m) + static_cast<double>(parent.lod_error_m);
+}
+
+cache::Box morph_box(const cache::TileBounds& bounds, const cache::TileNode& node) {
+  cache::Box box = bounds.box(node);
+  const double room_m = farthest_morph_m(bounds, node);
+  box.min[2] -= room_m;
+  box.max[2] += room_m;
+  return box;
+}
+
 }  // namespace tintree::render

@@ -20,4 +20,9 @@ namespace tintree::render {
 double morph_weight(const cache::TileBounds& bounds, std::uint32_t node, const Camera& camera, const Frustum& frustum,
                     double pixel_error);
 
+/// The most, metres, that a tile's surface and its parent's can be apart; 0 for the root.
+double farthest_morph_m(const cache::TileBounds& bounds, const cache::TileNode& node);
+/// The box of all that may be drawn of a node on its way to its parent. Tiles below it move less.
+cache::Box morph_box(const cache::TileBounds& bounds, const cache::TileNode& node);
+
 }  // namespace tintree::render
