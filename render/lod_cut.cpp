@@ -11,6 +11,7 @@
 
 #include "render/frustum.h"
 #include "render/morph.h"
+#include "render/screen_error.h"
 #include "render/tree_horizon.h"
 
 namespace tintree::render {
@@ -23,6 +24,7 @@ class Walk {
       : trees_(trees),
         camera_(camera),
         frustum_(camera),
+        screen_error_(camera),
         options_(options),
         states_(states),
         occluder_of_(occluder_of) {}
@@ -48,27 +50,26 @@ class Walk {
     double texel_px = 0;
   };
 
-  const cache::TileNode& parent_of(const cache::TileNode& node) const {
-    return bounds_->nodes()[static_cast<std::size_t>(bounds_->find(node.id.parent()))];
-  }
-
   Seen look(const cache::TileNode& node) {
-    if (frustum_.outside(options_.morph ? morph_box(*bounds_, node) : bounds_->box(node))) {
-      ++cut_.culled;
-      horizon_.pass_unseen(node);
-      return {true, 0, 0, 0, 0};
-    }
+    if (frustum_.outside(options_.morph ? morph_box(*bounds_, node) : bounds_->box(node))) return pass_unseen(node);
     if (horizon_.hides(node)) {
       ++cut_.occluded;
       return {true, 0, 0, 0, 0};
     }
     // Levels are chosen by the boxes as they are, so that they are the same with morphs.
     const cache::Box still = bounds_->box(node);
+    const auto error_px = screen_error_.bound_px(still, static_cast<double>(node.lod_error_m));
+    if (!error_px && !options_.morph) return pass_unseen(node);
     const double nearest_m = frustum_.nearest_depth_m(still);
-    return {false, nearest_m, frustum_.farthest_depth_m(still),
-            projected_error_px(static_cast<double>(node.lod_error_m), nearest_m, camera_),
+    return {false, nearest_m, frustum_.farthest_depth_m(still), error_px.value_or(0),
             nearest_m > 0 ? bounds_->texel_m(node.id.level) * camera_.focal_px() / nearest_m
                           : std::numeric_limits<double>::infinity()};
+  }
+
+  Seen pass_unseen(const cache::TileNode& node) {
+    ++cut_.culled;
+    horizon_.pass_unseen(node);
+    return {true, 0, 0, 0, 0};
   }
 
   bool is_fine_enough(const cache::TileNode& node, const Seen& seen) const {
@@ -212,10 +213,10 @@ class Walk {
     DrawTile out{tree_, index, seen.error_px, seen.nearest_m, seen.farthest_m, stands_in};
     const cache::TileNode& node = bounds_->nodes()[index];
     if (options_.morph && node.id.level > 0) {
-      out.morph = morph_weight(*bounds_, index, camera_, frustum_, options_.pixel_error);
-      const double error_m =
-          std::lerp(static_cast<double>(node.lod_error_m), static_cast<double>(parent_of(node).lod_error_m), out.morph);
-      if (out.morph > 0) out.error_px = projected_error_px(error_m, seen.nearest_m, camera_);
+      out.morph = morph_weight(*bounds_, index, screen_error_, options_.pixel_error);
+      const double error_m = std::lerp(static_cast<double>(node.lod_error_m),
+                                       static_cast<double>(parent_of(*bounds_, node).lod_error_m), out.morph);
+      if (out.morph > 0) out.error_px = screen_error_.bound_px(morph_box(*bounds_, node), error_m).value_or(0);
     }
     cut_.draws.push_back(out);
     if (occluder_of_) horizon_.add(node, occluder_of_(tree_, index), out.morph);
@@ -237,6 +238,7 @@ class Walk {
   const Camera& camera_;
   const glm::dvec3 forward_ = camera_.axes().forward;
   const Frustum frustum_;
+  const ScreenError screen_error_;
   const CutOptions& options_;
   const TileStates& states_;
   const OccluderOf& occluder_of_;
@@ -246,12 +248,6 @@ class Walk {
 };
 
 }  // namespace
-
-double projected_error_px(double lod_error_m, double nearest_depth_m, const Camera& camera) {
-  if (lod_error_m <= 0) return 0;
-  if (nearest_depth_m <= 0) return std::numeric_limits<double>::infinity();
-  return lod_error_m * camera.focal_px() * camera.vertical_gain() / nearest_depth_m;
-}
 
 LodCut lod_cut(Trees trees, const Camera& camera, const CutOptions& options, const TileStates& states,
                const OccluderOf& occluder_of) {
