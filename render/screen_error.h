@@ -20,7 +20,7 @@ class ScreenError {
  public:
   /// Nowhere does a vertical metre count for less than this share of a metre across the view. It bounds the vertical
   /// error, in pixels' footprints, by its reciprocal.
-  static constexpr double kLeastGain = 0.25;
+  static constexpr double kLeastGain = 0.5;
 
   explicit ScreenError(const Camera& camera);
 

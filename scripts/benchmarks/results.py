@@ -3,15 +3,20 @@ import json
 import sys
 import time
 
-from programs import BENCH
+from memo import read_lines
+from programs import BENCH, ROOT
 
 PATH = BENCH / "results.jsonl"
 
 
 class Results:
     def __init__(self, run=None):
-        """The records of one run, named by its start; a new one by default."""
+        """The records of one run, named by its start; a new one by default. Ends the program where there is no such run."""
         self.run = run or time.strftime("%Y-%m-%dT%H:%M:%S")
+        runs = sorted({r["run"] for r in read_lines(PATH)}) if run else []
+        if run and run not in runs:
+            known = f"; there are {' '.join(runs)}" if runs else ", nor any other: scripts/bench has not been run here"
+            sys.exit(f"scripts/bench: {PATH.relative_to(ROOT)} has no run {run}{known}")
 
     def add(self, table, **figures):
         record = {"run": self.run, "table": table, **figures}
@@ -22,9 +27,7 @@ class Results:
         return record
 
     def of(self, table):
-        with PATH.open() as file:
-            records = [json.loads(line) for line in file]
-        return [r for r in records if r["run"] == self.run and r["table"] == table]
+        return [r for r in read_lines(PATH) if r["run"] == self.run and r["table"] == table]
 
 
 def print_table(title, header, rows):
