@@ -72,7 +72,7 @@ using OccluderOf = std::function<const cache::Occluder*(std::uint32_t tree, std:
 /// Only where a tile is lost with all that could stand in for it does the ground have a hole for good.
 /// With `occluder_of` a node that the ground drawn before it hides ends there too and is not asked for
 /// (render/occlusion.h): the picture is the same, to the last pixel. A tree's ground hides that tree's tiles only.
-/// Pure: keeps nothing, changes nothing. Cost: about 0.1 us a node visited; with occlusion a microsecond, and a few
+/// Pure: keeps nothing, changes nothing. Cost: about 0.3 us a node visited; with occlusion a microsecond, and a few
 /// more a tile drawn.
 LodCut lod_cut(Trees trees, const Camera& camera, const CutOptions& options, const TileStates& states,
                const OccluderOf& occluder_of = nullptr);

@@ -12,15 +12,22 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A quadrangle in camera axes, less what planes have cut off: each makes half as many corners again at the very most.
+/// Of a quadrangle less what four planes have cut off, each of which makes half as many corners again at the very most.
+constexpr std::size_t kMostCorners = 20;
+
+/// A part of a box's face, in camera axes.
 struct Polygon {
-  std::array<glm::dvec3, 20> corners;
+  std::array<glm::dvec3, kMostCorners> corners;
   std::size_t size = 0;
 };
 
-/// The part of a polygon where dot(n, p) >= 0.
-Polygon clip(const Polygon& in, const glm::dvec3& n) {
-  Polygon out;
+/// Cuts off a polygon where dot(n, p) < 0.
+void clip(Polygon& polygon, const glm::dvec3& n) {
+  const auto end = polygon.corners.begin() + static_cast<std::ptrdiff_t>(polygon.size);
+  if (std::all_of(polygon.corners.begin(), end, [&](const glm::dvec3& p) { return glm::dot(n, p) >= 0; })) return;
+  const Polygon in = polygon;
+  Polygon& out = polygon;
+  out.size = 0;
   for (std::size_t i = 0; i < in.size; ++i) {
     const glm::dvec3& a = in.corners[i];
     const glm::dvec3& b = in.corners[(i + 1) % in.size];
@@ -29,17 +36,15 @@ Polygon clip(const Polygon& in, const glm::dvec3& n) {
     if (above_a >= 0) out.corners[out.size++] = a;
     if ((above_a < 0) != (above_b < 0)) out.corners[out.size++] = a + (b - a) * (above_a / (above_a - above_b));
   }
-  return out;
 }
 
 }  // namespace
 
-/// A visible point: where g is the length of `gain`, and 1 / Z.
+/// A visible point: g, of which vector it is the length, and 1 / Z.
 struct ScreenError::Sight {
-  glm::dvec2 gain{0};
-  double nearness = 0;
-
-  double product() const { return glm::length(gain) * nearness; }
+  glm::dvec2 way;
+  double gain;
+  double nearness;
 };
 
 struct ScreenError::Extremes {
@@ -99,30 +104,34 @@ bool ScreenError::add_face(const std::array<glm::dvec3, 4>& corners, Extremes& o
     part.corners[part.size++] = {glm::dot(c, axes_.right), glm::dot(c, axes_.up), glm::dot(c, axes_.forward)};
   for (const glm::dvec3& n :
        {glm::dvec3(1, 0, tan_x_), glm::dvec3(-1, 0, tan_x_), glm::dvec3(0, 1, tan_y_), glm::dvec3(0, -1, tan_y_)})
-    part = clip(part, n);
+    clip(part, n);
   if (part.size == 0) return false;
-  Sight before = sight(part.corners[part.size - 1]);
+  std::array<Sight, kMostCorners> sights;
   for (std::size_t i = 0; i < part.size; ++i) {
-    const Sight here = sight(part.corners[i]);
-    out.nearness = std::max(out.nearness, here.nearness);
-    out.gain_by_nearness = std::max({out.gain_by_nearness, here.product(), largest_between(before, here)});
-    before = here;
+    sights[i] = sight(part.corners[i]);
+    out.nearness = std::max(out.nearness, sights[i].nearness);
+    out.gain_by_nearness = std::max(out.gain_by_nearness, sights[i].gain * sights[i].nearness);
   }
+  for (std::size_t i = 0; i < part.size; ++i)
+    out.gain_by_nearness = std::max(out.gain_by_nearness, largest_between(sights[i], sights[(i + 1) % part.size]));
   return true;
 }
 
 ScreenError::Sight ScreenError::sight(const glm::dvec3& p) const {
-  if (!(p.z > 0)) return {{1, 0}, kInfinity};
+  if (!(p.z > 0)) return {{1, 0}, 1, kInfinity};
   const double uz = axes_.forward.z;
-  return {{uz * p.x / p.z, axes_.up.z - uz * p.y / p.z}, 1 / p.z};
+  const glm::dvec2 way(uz * p.x / p.z, axes_.up.z - uz * p.y / p.z);
+  return {way, glm::length(way), 1 / p.z};
 }
 
 /// The largest g / Z within the edge between two points, 0 where its ends have larger ones: along it in (X, Y, 1 / Z)
 /// g² is a quadratic a + b t + c t² and 1 / Z a linear function.
 double ScreenError::largest_between(const Sight& from, const Sight& to) {
-  const glm::dvec2 way = to.gain - from.gain;
-  const double a = glm::dot(from.gain, from.gain);
-  const double b = 2 * glm::dot(from.gain, way);
+  // Both change the same way.
+  if ((from.gain <= to.gain) == (from.nearness <= to.nearness)) return 0;
+  const glm::dvec2 way = to.way - from.way;
+  const double a = from.gain * from.gain;
+  const double b = 2 * glm::dot(from.way, way);
   const double c = glm::dot(way, way);
   const double w0 = from.nearness;
   const double w1 = to.nearness - from.nearness;

@@ -27,7 +27,7 @@ class ScreenError {
   /// Upper bound, pixels, of what any vertical displacement of up to `error_m` >= 0 moves on the screen of which one
   /// end is in the box and one end, the same or the other, is in the picture. Infinite when the eye is in or next to
   /// the box; nothing when no point within error_m above or below the box is in the picture.
-  /// Cost: about 0.3 us. Never smaller for a box that holds this one, or for a larger error.
+  /// Cost: about 0.2 us. Never smaller for a box that holds this one, or for a larger error.
   std::optional<double> bound_px(const cache::Box& box, double error_m) const;
 
  private:

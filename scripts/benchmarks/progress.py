@@ -2,8 +2,6 @@
 import sys
 import time
 
-from results import number
-
 LEARNED_S = 20  # of expected work, after which the pace so far says more than the expectation
 
 
@@ -27,4 +25,4 @@ class Progress:
 
 
 def _duration(seconds):
-    return f"{number(seconds, 2)} s" if seconds < 100 else f"{seconds / 60:.1f} min"
+    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.1f} min"
