@@ -8,6 +8,7 @@
 #include "codec/nested_payload.h"
 #include "codec/nested_tile.h"
 #include "codec/right_triangles.h"
+#include "codec/split_fans.h"
 
 namespace tintree::codec {
 namespace {
@@ -61,7 +62,7 @@ int side_bits_of(const TileMesh& mesh) {
 }  // namespace
 
 Expected<std::vector<std::byte>> NestedMesh::encode(const TileMesh& mesh) const {
-  if (mesh.vertices.empty() || mesh.nested_levels.size() != mesh.vertices.size()) return not_nested();
+  if (mesh.nested_levels.empty() || mesh.nested_levels.size() > mesh.vertices.size()) return not_nested();
   const int side_bits = side_bits_of(mesh);
   if (side_bits > RightTriangles::kMostSideBits)
     return fail(ErrorCode::kBadData, "the tile is too wide for method nested; choose a larger --error or --tile");
@@ -74,7 +75,7 @@ Expected<std::vector<std::byte>> NestedMesh::encode(const TileMesh& mesh) const 
     levels = std::max(levels, p.level + 1);
     return fits;
   };
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+  for (std::size_t i = 0; i < mesh.nested_levels.size(); ++i) {
     const GridVertex& v = mesh.vertices[i];
     if (!add({v.x, v.y, v.z, mesh.nested_levels[i], false})) return not_nested();
   }
@@ -110,6 +111,7 @@ Expected<TileMesh> NestedMesh::decode(std::span<const std::byte> bytes) const {
     mesh.triangles.push_back({number[static_cast<std::size_t>(a)], number[static_cast<std::size_t>(b)],
                               number[static_cast<std::size_t>(c)]});
   });
+  if (!mesh.nested_gaps.empty()) split_fans(mesh);
   return mesh;
 }
 

@@ -37,7 +37,8 @@ struct TileMesh {
   std::int64_t z_offset = 0;  ///< Height origin, in the level's height steps.
   std::vector<GridVertex> vertices;
   std::vector<Triangle> triangles;
-  /// Method `nested` alone (codec/nested_tile.h): which of its levels, 0 the coarsest, first has each vertex.
+  /// Method `nested` alone (codec/nested_tile.h): which of its levels, 0 the coarsest, first has each vertex;
+  /// for those at the end that repeat others (split_fans()), nothing.
   std::vector<std::uint8_t> nested_levels;
   std::vector<NestedGap> nested_gaps;
 };

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "codec/nested_tile.h"
+#include "codec/split_fans.h"
 #include "codec/split_hierarchy.h"
 #include "simplify/finish_tile.h"
 
@@ -127,6 +128,7 @@ codec::TileMesh NestedMaker::make_mesh(const RightTriangles& points, const Heigh
     const HierarchyPoint& p = points.points()[i];
     if (number[i] == UINT32_MAX) mesh.nested_gaps.push_back({p.x, p.y, p.level});
   }
+  if (!mesh.nested_gaps.empty()) codec::split_fans(mesh);
   return mesh;
 }
 

@@ -99,9 +99,12 @@ double quadtree_height_m(SurfaceView& view, std::int64_t column0, std::int64_t r
 }
 
 Expected<codec::TileMesh> quadtree_tile(const RestrictedQuadtree& tree, SurfaceView& view, const HeightLattice& lattice,
-                                        std::int64_t column0, std::int64_t row0, const codec::TileId& id) {
+                                        int height_unit, std::int64_t column0, std::int64_t row0,
+                                        const codec::TileId& id) {
   codec::TileMesh mesh =
       tree.mesh(lattice, [&](const SplitPoint& p) { return quadtree_height_m(view, column0, row0, p); });
+  mesh.z_offset *= height_unit;
+  for (codec::GridVertex& v : mesh.vertices) v.z *= height_unit;
   // Fans can only touch at holes.
   if (mesh.vertices.size() < tree.vertices()) codec::split_fans(mesh);
   return finish_tile(std::move(mesh), 2 * tree.cells(), 1, id);

@@ -93,9 +93,11 @@ class RestrictedQuadtree {
 /// middle of a cell. NaN where there is no surface next to it.
 double quadtree_height_m(SurfaceView& view, std::int64_t column0, std::int64_t row0, const codec::SplitPoint& p);
 
-/// The tile's mesh at the surface's own heights, ready to be stored; fails as finish_tile() does.
+/// The tile's mesh at the surface's own heights, ready to be stored; a step of `lattice` is so many of the level's.
+/// Fails as finish_tile() does.
 Expected<codec::TileMesh> quadtree_tile(const RestrictedQuadtree& tree, SurfaceView& view, const HeightLattice& lattice,
-                                        std::int64_t column0, std::int64_t row0, const codec::TileId& id);
+                                        int height_unit, std::int64_t column0, std::int64_t row0,
+                                        const codec::TileId& id);
 
 template <typename HeightAt>
 codec::TileMesh RestrictedQuadtree::mesh(const HeightLattice& lattice, const HeightAt& height_m) const {

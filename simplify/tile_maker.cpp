@@ -4,6 +4,7 @@
 #include <array>
 
 #include "simplify/nested_maker.h"
+#include "simplify/strip_maker.h"
 #include "simplify/tin_maker.h"
 
 namespace tintree::simplify {
@@ -22,7 +23,8 @@ std::unique_ptr<TileMaker> make(const ReferenceSurface& surface, const codec::Tr
 }
 
 /// One row a method, as in codec/mesh_codec.cpp.
-constexpr std::array kMethods{Method{"tin", make<TinMaker>}, Method{"nested", make<NestedMaker>}};
+constexpr std::array kMethods{Method{"tin", make<TinMaker>}, Method{"strip", make<StripMaker>},
+                              Method{"nested", make<NestedMaker>}};
 
 }  // namespace
 

@@ -41,7 +41,7 @@ class Quadtrees {
 
   codec::TileMesh mesh(const RestrictedQuadtree& tree, const codec::TileId& id) {
     const LevelGrid grid = level(id.level);
-    auto mesh = quadtree_tile(tree, view_, grid.heights, id.x * grid.cells, id.y * grid.cells, id);
+    auto mesh = quadtree_tile(tree, view_, grid.heights, 1, id.x * grid.cells, id.y * grid.cells, id);
     EXPECT_TRUE(mesh.has_value());
     return std::move(*mesh);
   }
