@@ -93,24 +93,32 @@ Expected<TileMesh> NestedMesh::decode(std::span<const std::byte> bytes) const {
   if (!payload) return tl::unexpected(payload.error());
   const auto points = read_points(*payload, NestedTile::kMostLevels);
   if (!points) return tl::unexpected(points.error());
-  TileMesh mesh;
+  TileMesh mesh = finest_mesh(*points);
   mesh.xy_shift = payload->xy_shift;
   mesh.z_offset = payload->z_offset;
-  std::vector<std::uint32_t> number(points->points().size());
-  for (std::size_t i = 0; i < number.size(); ++i) {
-    const HierarchyPoint& p = points->points()[i];
-    if (p.gap) {
-      mesh.nested_gaps.push_back({p.x, p.y, p.level});
-      continue;
+  return mesh;
+}
+
+TileMesh finest_mesh(const RightTriangles& points) {
+  constexpr std::uint32_t kUnused = UINT32_MAX;
+  TileMesh mesh;
+  std::vector<std::uint32_t> number(points.points().size(), kUnused);
+  const auto number_of = [&](std::int32_t i) {
+    std::uint32_t& n = number[static_cast<std::size_t>(i)];
+    if (n == kUnused) {
+      n = static_cast<std::uint32_t>(mesh.vertices.size());
+      mesh.vertices.push_back(vertex(points.point(i)));
+      mesh.nested_levels.push_back(points.point(i).level);
     }
-    number[i] = static_cast<std::uint32_t>(mesh.vertices.size());
-    mesh.vertices.push_back(vertex(p));
-    mesh.nested_levels.push_back(p.level);
-  }
-  points->for_each_triangle(NestedTile::kMostLevels, [&](std::int32_t a, std::int32_t b, std::int32_t c) {
-    mesh.triangles.push_back({number[static_cast<std::size_t>(a)], number[static_cast<std::size_t>(b)],
-                              number[static_cast<std::size_t>(c)]});
+    return n;
+  };
+  points.for_each_triangle(NestedTile::kMostLevels, [&](std::int32_t a, std::int32_t b, std::int32_t c) {
+    mesh.triangles.push_back({number_of(a), number_of(b), number_of(c)});
   });
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    const HierarchyPoint& p = points.points()[i];
+    if (number[i] == kUnused) mesh.nested_gaps.push_back({p.x, p.y, p.level});
+  }
   if (!mesh.nested_gaps.empty()) split_fans(mesh);
   return mesh;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "codec/mesh_codec.h"
+#include "codec/right_triangles.h"
 
 namespace tintree::codec {
 
@@ -14,5 +15,8 @@ class NestedMesh final : public MeshCodec {
   Expected<std::vector<std::byte>> encode(const TileMesh& mesh) const override;
   Expected<TileMesh> decode(std::span<const std::byte> bytes) const override;
 };
+
+/// The mesh of all points, with the level of each vertex. Points without a triangle are its gaps.
+TileMesh finest_mesh(const RightTriangles& points);
 
 }  // namespace tintree::codec

@@ -6,15 +6,14 @@
 #include <optional>
 #include <utility>
 
+#include "codec/nested_mesh.h"
 #include "codec/nested_tile.h"
-#include "codec/split_fans.h"
 #include "codec/split_hierarchy.h"
 #include "simplify/finish_tile.h"
 
 namespace tintree::simplify {
 namespace {
 
-using codec::HierarchyPoint;
 using codec::RightTriangles;
 using codec::SplitPoint;
 
@@ -59,7 +58,8 @@ Expected<codec::TileMesh> NestedMaker::make(const codec::TileId& id) {
   const RightTriangles points = collect_points(std::int64_t{id.x} * cells, std::int64_t{id.y} * cells, cells,
                                                layout_.bound_m(id.level), heights);
   if (view_.interrupted()) return tl::unexpected(*view_.error());
-  codec::TileMesh made = make_mesh(points, heights);
+  codec::TileMesh made = codec::finest_mesh(points);
+  made.z_offset = heights.origin;
   auto mesh = finish_tile(std::move(made), 2 * cells, kSubBits, id);
   if (!mesh || mesh->vertices.empty()) return mesh;
   std::uint32_t all_bits = 0;
@@ -104,32 +104,6 @@ RightTriangles NestedMaker::collect_points(std::int64_t column0, std::int64_t ro
     coarser = std::move(tree);
   }
   return points;
-}
-
-/// The finest mesh, with the level of each vertex; points at which there is no triangle become gaps.
-codec::TileMesh NestedMaker::make_mesh(const RightTriangles& points, const HeightLattice& heights) const {
-  codec::TileMesh mesh;
-  mesh.z_offset = heights.origin;
-  std::vector<std::uint32_t> number(points.points().size(), UINT32_MAX);
-  const auto vertex = [&](std::int32_t i) {
-    std::uint32_t& n = number[static_cast<std::size_t>(i)];
-    if (n == UINT32_MAX) {
-      const HierarchyPoint& p = points.point(i);
-      n = static_cast<std::uint32_t>(mesh.vertices.size());
-      mesh.vertices.push_back({p.x, p.y, p.z});
-      mesh.nested_levels.push_back(p.level);
-    }
-    return n;
-  };
-  points.for_each_triangle(codec::NestedTile::kMostLevels, [&](std::int32_t a, std::int32_t b, std::int32_t c) {
-    mesh.triangles.push_back({vertex(a), vertex(b), vertex(c)});
-  });
-  for (std::size_t i = 0; i < number.size(); ++i) {
-    const HierarchyPoint& p = points.points()[i];
-    if (number[i] == UINT32_MAX) mesh.nested_gaps.push_back({p.x, p.y, p.level});
-  }
-  if (!mesh.nested_gaps.empty()) codec::split_fans(mesh);
-  return mesh;
 }
 
 }  // namespace tintree::simplify

@@ -24,7 +24,6 @@ class NestedMaker final : public TileMaker {
  private:
   codec::RightTriangles collect_points(std::int64_t column0, std::int64_t row0, std::int64_t cells, double bound_m,
                                        const HeightLattice& heights);
-  codec::TileMesh make_mesh(const codec::RightTriangles& points, const HeightLattice& heights) const;
 
   SurfaceView view_;
   codec::TreeLayout layout_;
