@@ -42,7 +42,7 @@ struct StripEdge {
   int size = 0;
 
   /// After a triangle; size is -1 where the grid has no such point.
-  StripEdge next(StripType type, bool left) const {
+  constexpr StripEdge next(StripType type, bool left) const {
     const bool diagonal = (direction & 1) != 0;
     const int turn = type == StripType::kA ? 2 : 1;
     const int grow = type == StripType::kB ? (diagonal ? 1 : 0) : type == StripType::kC ? (diagonal ? 0 : -1) : 0;
