@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "simplify/nested_maker.h"
+#include "simplify/strip_maker.h"
 #include "simplify/tin_maker.h"
 
 namespace tintree::simplify {
@@ -21,7 +23,8 @@ std::unique_ptr<TileMaker> make(const ReferenceSurface& surface, const codec::Tr
 }
 
 /// One row a method, as in codec/mesh_codec.cpp.
-constexpr std::array kMethods{Method{"tin", make<TinMaker>}};
+constexpr std::array kMethods{Method{"tin", make<TinMaker>}, Method{"strip", make<StripMaker>},
+                              Method{"nested", make<NestedMaker>}};
 
 }  // namespace
 
