@@ -26,7 +26,7 @@ class GridMatch {
   }
 
   std::optional<ScalarTile> match() {
-    if (!place_vertices() || !same_triangles()) return std::nullopt;
+    if (!tile_.grid.is_sound() || !place_vertices() || !same_triangles()) return std::nullopt;
     if (std::ranges::find(tile_.missing, true) == tile_.missing.end()) tile_.missing.clear();
     return std::move(tile_);
   }
@@ -136,7 +136,9 @@ std::optional<ScalarTile> find_whole(const TileMesh& mesh, std::int32_t width, s
     }
   }
   if (grid.vertex_count() != mesh.vertices.size()) return std::nullopt;
-  return GridMatch(mesh, std::move(grid)).match();
+  auto tile = GridMatch(mesh, std::move(grid)).match();
+  // As many may be missing as there are twice, where fans meet.
+  return tile && tile->missing.empty() ? std::move(tile) : std::nullopt;
 }
 
 /// Vertices are missing: the stride is 1, and a side has its vertices a step apart but where it has a longer edge.

@@ -91,7 +91,6 @@ bool take_missing(std::span<const std::byte>& bytes, std::vector<bool>& missing)
 /// Along a longer edge of a side all vertices of the line next to it have to be there, and its ends.
 bool long_edges_whole(const ScalarTile& tile) {
   const ScalarGrid& g = tile.grid;
-  if (g.inner_count() == 0) return g.border_count() == 2 * static_cast<std::size_t>(g.width + g.height);
   std::vector<Triangle> strip = g.strip();
   const std::vector<GridVertex> places = g.places();
   return std::ranges::none_of(strip, [&](const Triangle& t) {
@@ -153,7 +152,7 @@ bool take_grid(std::span<const std::byte>& bytes, ScalarGrid& grid) {
     if (!SidePlaces::take(bits, grid.length(side), grid.sides[static_cast<std::size_t>(side)])) return false;
   }
   bytes = bits.rest();
-  return true;
+  return grid.is_sound();
 }
 
 }  // namespace
@@ -201,8 +200,7 @@ Expected<TileMesh> ScalarCodec::decode(std::span<const std::byte> bytes) const {
     tile.missing.assign(tile.grid.vertex_count(), false);
     if (tile.grid.stride != 1 || !take_missing(bytes, tile.missing) || !long_edges_whole(tile))
       return tl::unexpected(damaged());
-  } else if (tile.grid.inner_count() / 8 > bytes.size() ||
-             (tile.grid.inner_count() == 0 && !long_edges_whole(tile))) {
+  } else if (tile.grid.inner_count() / 8 > bytes.size()) {
     return tl::unexpected(damaged());
   }
   tile.z.assign(tile.grid.vertex_count(), 0);

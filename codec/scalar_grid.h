@@ -35,6 +35,10 @@ struct ScalarGrid {
   std::size_t inner_count() const { return static_cast<std::size_t>(columns() * rows()); }
   std::size_t border_count() const;
   std::size_t vertex_count() const { return border_count() + inner_count(); }
+  /// Without an inner grid, a vertex at every place of the sides is asked for.
+  bool is_sound() const {
+    return inner_count() > 0 || border_count() == 2 * (static_cast<std::size_t>(width) + static_cast<std::size_t>(height));
+  }
 
   /// The vertices in their order; z is 0.
   std::vector<GridVertex> places() const;

@@ -20,8 +20,8 @@ inline constexpr double kRowShare = 0.9;
 /// A piece holds if its edge, between heights on the level's lattice, keeps half the bound along the side, and if on
 /// both sides of it the strip between it and the next row of samples (ScalarGrid's, at stride 1) keeps the bound
 /// whatever heights within kRowShare of the bound that row has. So a grid of every sample fits to it. Pieces of one
-/// cell always hold; where a sample is missing, or the next row is itself a side, all are. Pieces span an eighth of the
-/// side at most. Ends early, with pieces of one cell, once the view is interrupted.
+/// cell always hold; longer ones do not where a sample of the three rows is missing or the next row is itself a side,
+/// and span an eighth of the side at most. Ends early, with pieces of one cell, once the view is interrupted.
 std::vector<std::int32_t> border_places(SurfaceView& view, const LevelGrid& level, const Side& side);
 
 }  // namespace tintree::simplify
