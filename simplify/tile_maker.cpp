@@ -4,6 +4,7 @@
 #include <array>
 
 #include "simplify/tin_maker.h"
+#include "simplify/wavelet_maker.h"
 
 namespace tintree::simplify {
 namespace {
@@ -21,7 +22,7 @@ std::unique_ptr<TileMaker> make(const ReferenceSurface& surface, const codec::Tr
 }
 
 /// One row a method, as in codec/mesh_codec.cpp.
-constexpr std::array kMethods{Method{"tin", make<TinMaker>}};
+constexpr std::array kMethods{Method{"tin", make<TinMaker>}, Method{"wavelet", make<WaveletMaker>}};
 
 }  // namespace
 

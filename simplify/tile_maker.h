@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -7,6 +8,7 @@
 
 #include "codec/error.h"
 #include "codec/grid_frame.h"
+#include "codec/mesh_codec.h"
 #include "codec/stop_flag.h"
 #include "codec/tile_mesh.h"
 #include "simplify/collapse_spec.h"
@@ -25,6 +27,13 @@ class TileMaker {
   /// triangles when there is no surface. Fails with kBadData when the heights do not fit the lattice, and with
   /// what the DEM's reader says, and with kStopped soon after a stop was asked for, even inside a tile.
   virtual Expected<codec::TileMesh> make(const codec::TileId& id) = 0;
+
+  /// The payload of a mesh that make() has returned: what the method's codec makes of it, unless the method needs more
+  /// than the mesh.
+  virtual Expected<std::vector<std::byte>> encode(const codec::MeshCodec& codec, const codec::TileId& /*id*/,
+                                                  const codec::TileMesh& mesh) {
+    return codec.encode(mesh);
+  }
 };
 
 /// The methods that make_tile_maker() knows, the default one first.
