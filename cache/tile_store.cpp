@@ -34,7 +34,10 @@ Expected<codec::TileMesh> TileDecoder::decode(const StoredTile& tile) const {
 
 struct TileStore::Impl {
   Impl(SqliteDb d, Manifest m, TileBounds b)
-      : db(std::move(d)), manifest(std::move(m)), bounds(std::move(b)), decoder(manifest, [this](const codec::TileId& id) {
+      : db(std::move(d)),
+        manifest(std::move(m)),
+        bounds(std::move(b)),
+        decoder(manifest, [this](const codec::TileId& id) {
           const std::scoped_lock lock(turn);
           return read_tile(db, id);
         }) {}

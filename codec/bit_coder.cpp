@@ -40,7 +40,8 @@ void BitEncoder::shift() {
 
 std::vector<std::byte> BitEncoder::finish() {
   for (int i = 0; i < 5; ++i) shift();
-  for (std::size_t i = 0; i < kBitCoderSpare && !bytes_.empty() && bytes_.back() == std::byte{0}; ++i) bytes_.pop_back();
+  for (std::size_t i = 0; i < kBitCoderSpare && !bytes_.empty() && bytes_.back() == std::byte{0}; ++i)
+    bytes_.pop_back();
   return std::move(bytes_);
 }
 

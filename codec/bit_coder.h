@@ -16,7 +16,8 @@ class BitModel {
   void learn(bool bit) {
     const int rate = seen_ < kSlowest - 1 ? (++seen_, seen_) : kSlowest;
     const std::uint32_t to = bit ? kLeast : kWhole - kLeast;
-    zero_ = static_cast<std::uint16_t>(static_cast<int>(zero_) + (static_cast<int>(to) - static_cast<int>(zero_)) / (1 << rate));
+    zero_ = static_cast<std::uint16_t>(static_cast<int>(zero_) +
+                                       (static_cast<int>(to) - static_cast<int>(zero_)) / (1 << rate));
   }
 
   static constexpr int kBits = 12;

@@ -198,11 +198,13 @@ Expected<std::vector<std::byte>> encode_plane(const Plane& plane, std::size_t by
   std::size_t at = header.size();
   const auto number = [&](std::size_t place, int count) {
     std::uint32_t value = 0;
-    for (int i = 0; i < count; ++i) value = value << 8 | static_cast<std::uint32_t>(out[place + static_cast<std::size_t>(i)]);
+    for (int i = 0; i < count; ++i)
+      value = value << 8 | static_cast<std::uint32_t>(out[place + static_cast<std::size_t>(i)]);
     return value;
   };
   while (at + 4 < out.size() && number(at, 2) != 0xff90) at += 2 + number(at + 2, 2);  // comments
-  if (at + kTileHeader + kEnd > out.size() || number(at + 12, 2) != 0xff93 || number(out.size() - kEnd, 2) != kEndMarker) {
+  if (at + kTileHeader + kEnd > out.size() || number(at + 12, 2) != 0xff93 ||
+      number(out.size() - kEnd, 2) != kEndMarker) {
     return failed("writes another tile part than expected");
   }
   return std::vector<std::byte>(out.begin() + static_cast<std::ptrdiff_t>(at + kTileHeader),
@@ -222,8 +224,7 @@ Expected<Plane> decode_plane(std::span<const std::byte> stream, int width, int h
   std::string message;
   opj_set_error_handler(codec.get(), keep_message, &message);
   opj_image_t* raw = nullptr;
-  const bool begun =
-      opj_setup_decoder(codec.get(), &parameters) && opj_read_header(source.get(), codec.get(), &raw);
+  const bool begun = opj_setup_decoder(codec.get(), &parameters) && opj_read_header(source.get(), codec.get(), &raw);
   const Image image(raw);
   if (!begun || !opj_decode(codec.get(), source.get(), image.get())) return failed(message);
   const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);

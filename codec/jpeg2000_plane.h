@@ -11,9 +11,9 @@ namespace tintree::codec {
 
 /// One component of whole numbers from 0 to 2^bits - 1, row-major.
 struct Plane {
-  int width = 0;   ///< 1 to 4100.
+  int width = 0;  ///< 1 to 4100.
   int height = 0;
-  int bits = 8;    ///< 1 to 16.
+  int bits = 8;  ///< 1 to 16.
   std::vector<std::int32_t> samples;
 };
 

@@ -40,8 +40,8 @@ class TileDecoder {
   virtual Expected<TileMesh> decode(const TileId& id, std::span<const std::byte> bytes) = 0;
 };
 
-/// For a tree of the method; null for one that this version lacks. `read` is asked for what a tile builds on, by methods
-/// that do.
+/// For a tree of the method; null for one that this version lacks. `read` is asked for what a tile builds on, by
+/// methods that do.
 std::unique_ptr<TileDecoder> make_tile_decoder(std::string_view method, const TreeLayout& layout, PayloadReader read);
 
 /// The codec of a method as the manifest names it ("tin"), or null for a method this version lacks.

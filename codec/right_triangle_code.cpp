@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "codec/bit_coder.h"
+#include "codec/vertex_fans.h"
 
 namespace tintree::codec {
 namespace {
@@ -64,7 +65,11 @@ class Coder {
 class Walk {
  public:
   Walk(std::int64_t cells, const HeightGuess& guess, Coder& coder, bool holes)
-      : cells_(cells), square_(std::max<std::int64_t>(1, cells / kSquares)), guess_(&guess), coder_(&coder), holes_(holes) {}
+      : cells_(cells),
+        square_(std::max<std::int64_t>(1, cells / kSquares)),
+        guess_(&guess),
+        coder_(&coder),
+        holes_(holes) {}
 
   /// All triangles, as indices of points(); false when the coder broke.
   bool run(std::vector<std::array<Index, 3>>& triangles);
@@ -224,7 +229,8 @@ void Walk::split_sides(const std::vector<Index>& middles, std::vector<Index>& ou
     const Point point = points_[static_cast<std::size_t>(index)];
     const auto [x, y] = point.spot;
     const std::int64_t u = point.unit;
-    for (const auto& [dx, dy] : {std::pair{-u, std::int64_t{0}}, {u, std::int64_t{0}}, {std::int64_t{0}, -u}, {std::int64_t{0}, u}}) {
+    for (const auto& [dx, dy] :
+         {std::pair{-u, std::int64_t{0}}, {u, std::int64_t{0}}, {std::int64_t{0}, -u}, {std::int64_t{0}, u}}) {
       const Spot spot{x + dx, y + dy};
       const Spot across{x + 2 * dx, y + 2 * dy};
       std::int64_t roughness = std::abs(point.bend);
@@ -254,7 +260,8 @@ void Walk::split_middles(const std::vector<Index>& sides, std::vector<Index>& ou
       if (!inside(opposite)) continue;
       const Index other = find(opposite);
       if (other == kNone || other > index) continue;
-      const std::int64_t roughness = std::max(std::abs(point.bend), std::abs(points_[static_cast<std::size_t>(other)].bend));
+      const std::int64_t roughness =
+          std::max(std::abs(point.bend), std::abs(points_[static_cast<std::size_t>(other)].bend));
       const Index made = try_split(spot, v, {spot.x + dx, spot.y - dy}, {spot.x - dx, spot.y + dy}, roughness, false);
       if (made != kNone) out.push_back(made);
     }
@@ -299,13 +306,16 @@ void Walk::emit(const Spot& a, const Spot& b, const Spot& c, std::vector<std::ar
 /// Puts a mesh.
 class Putter final : public Coder {
  public:
-  Putter(const TileMesh& mesh, std::int64_t cells) : cells_(cells), square_(std::max<std::int64_t>(1, cells / kSquares)) {
-    for (const GridVertex& v : mesh.vertices) spots_.push_back({std::int64_t{v.x} << mesh.xy_shift, std::int64_t{v.y} << mesh.xy_shift});
+  Putter(const TileMesh& mesh, std::int64_t cells)
+      : cells_(cells), square_(std::max<std::int64_t>(1, cells / kSquares)) {
+    for (const GridVertex& v : mesh.vertices)
+      spots_.push_back({std::int64_t{v.x} << mesh.xy_shift, std::int64_t{v.y} << mesh.xy_shift});
     for (std::size_t i = 0; i < spots_.size(); ++i) {
       heights_[key(spots_[i])] = mesh.z_offset + mesh.vertices[i].z;
       force(spots_[i]);
     }
-    for (const Triangle& t : mesh.triangles) triangles_.push_back(canonical({spots_[t[0]], spots_[t[1]], spots_[t[2]]}));
+    for (const Triangle& t : mesh.triangles)
+      triangles_.push_back(canonical({spots_[t[0]], spots_[t[1]], spots_[t[2]]}));
     std::ranges::sort(triangles_);
   }
 
@@ -450,7 +460,9 @@ Expected<std::vector<std::byte>> encode_right_triangles(const TileMesh& mesh, st
     // Whole: every triangle there is, and no point that is no vertex.
     if (triangles.size() != mesh.triangles.size() || (!holes && walk.points().size() != mesh.vertices.size())) continue;
     const auto spot = [&](Index i) { return walk.points()[static_cast<std::size_t>(i)].spot; };
-    if (!std::ranges::all_of(triangles, [&](const auto& t) { return putter.has({spot(t[0]), spot(t[1]), spot(t[2])}); })) {
+    if (!std::ranges::all_of(triangles, [&](const auto& t) {
+          return putter.has({spot(t[0]), spot(t[1]), spot(t[2])});
+        })) {
       continue;
     }
     std::vector<std::byte> out{holes ? kWithHoles : kWhole};
@@ -468,7 +480,9 @@ Expected<TileMesh> decode_right_triangles(std::span<const std::byte> bytes, std:
   Walk walk(cells, guess, taker, bytes.front() == kWithHoles);
   std::vector<std::array<Index, 3>> triangles;
   if (!walk.run(triangles)) return damaged();
-  return make_mesh(walk.points(), triangles, cells);
+  auto mesh = make_mesh(walk.points(), triangles, cells);
+  if (mesh && bytes.front() == kWithHoles) separate_fans(*mesh);
+  return mesh;
 }
 
 }  // namespace tintree::codec

@@ -60,7 +60,8 @@ Patch dequantized(const Patch& prediction, const Quantizer& quantizer, const Pla
   return out;
 }
 
-void put_head(std::vector<std::byte>& out, const Quantizer& quantizer, bool corrected, std::span<const std::byte> body) {
+void put_head(std::vector<std::byte>& out, const Quantizer& quantizer, bool corrected,
+              std::span<const std::byte> body) {
   put_varint(out, static_cast<std::uint64_t>(quantizer.bits) | (corrected ? kCorrectedFlag : 0));
   put_signed_varint(out, quantizer.low);
   if (quantizer.bits == 0) return;
@@ -149,7 +150,8 @@ tl::unexpected<Error> damaged(const char* what) {
 Expected<void> take_corrections(std::span<const std::byte>& bytes, const Plane& plane, std::int64_t step, Patch& out) {
   std::uint64_t bound = 0;
   std::uint64_t size = 0;
-  if (!take_varint(bytes, bound) || bound > static_cast<std::uint64_t>(kFarthest >> 20)) return damaged("bound is out of range");
+  if (!take_varint(bytes, bound) || bound > static_cast<std::uint64_t>(kFarthest >> 20))
+    return damaged("bound is out of range");
   if (!take_varint(bytes, size) || size > bytes.size()) return damaged("corrections end early");
   BitDecoder coder(bytes.first(static_cast<std::size_t>(size)));
   bytes = bytes.subspan(static_cast<std::size_t>(size));
@@ -157,9 +159,9 @@ Expected<void> take_corrections(std::span<const std::byte>& bytes, const Plane& 
   corrections.visit([&](IntegerModel& model, std::size_t i) {
     const std::int64_t number = model.get(coder);
     // Unsigned: what damaged bytes make overflow only wraps round.
-    out.heights[i] = static_cast<std::int64_t>(
-        static_cast<std::uint64_t>(out.heights[i]) +
-        static_cast<std::uint64_t>(number) * static_cast<std::uint64_t>(corrections.quantum()));
+    out.heights[i] = static_cast<std::int64_t>(static_cast<std::uint64_t>(out.heights[i]) +
+                                               static_cast<std::uint64_t>(number) *
+                                                   static_cast<std::uint64_t>(corrections.quantum()));
     return number;
   });
   return coder.exhausted() ? Expected<void>(damaged("corrections are cut short")) : Expected<void>();
@@ -364,10 +366,12 @@ Expected<Patch> decode_patch(std::span<const std::byte>& bytes, const Patch& pre
   if (!take_varint(bytes, flags) || !take_signed_varint(bytes, quantizer.low)) return damaged("patch ends early");
   const bool corrected = (flags & kCorrectedFlag) != 0;
   quantizer.bits = static_cast<int>(flags & (kCorrectedFlag - 1));
-  if ((flags & ~(2 * kCorrectedFlag - 1)) != 0 || quantizer.bits > kMostBits) return damaged("patch is of no known kind");
+  if ((flags & ~(2 * kCorrectedFlag - 1)) != 0 || quantizer.bits > kMostBits)
+    return damaged("patch is of no known kind");
   Plane plane;
   if (quantizer.bits > 0) {
-    if (!take_varint(bytes, step) || !take_varint(bytes, size) || size > bytes.size()) return damaged("plane ends early");
+    if (!take_varint(bytes, step) || !take_varint(bytes, size) || size > bytes.size())
+      return damaged("plane ends early");
     auto decoded =
         decode_plane(bytes.first(static_cast<std::size_t>(size)), prediction.side, prediction.side, quantizer.bits);
     if (!decoded) return tl::unexpected(decoded.error());

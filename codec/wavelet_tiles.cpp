@@ -26,8 +26,12 @@ class PatchGuess {
     const auto j = static_cast<int>(down / spacing);
     const std::int64_t u = across % spacing;
     const std::int64_t v = down % spacing;
-    const auto between = [spacing](std::int64_t a, std::int64_t b, std::int64_t f) { return a + (b - a) * f / spacing; };
-    const auto row = [&](int k) { return between(patch_->at(i, k), u == 0 ? patch_->at(i, k) : patch_->at(i + 1, k), u); };
+    const auto between = [spacing](std::int64_t a, std::int64_t b, std::int64_t f) {
+      return a + (b - a) * f / spacing;
+    };
+    const auto row = [&](int k) {
+      return between(patch_->at(i, k), u == 0 ? patch_->at(i, k) : patch_->at(i + 1, k), u);
+    };
     return between(row(j), v == 0 ? row(j) : row(j + 1), v);
   }
 

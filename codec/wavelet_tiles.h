@@ -43,7 +43,8 @@ class WaveletDecoder final : public TileDecoder {
   PatchCache patches_;
 };
 
-/// A tile of this method is no bytes by itself: both ways fail and say so. WaveletMaker encodes, WaveletDecoder decodes.
+/// A tile of this method is no bytes by itself: both ways fail and say so. WaveletMaker encodes, WaveletDecoder
+/// decodes.
 class WaveletMesh final : public MeshCodec {
  public:
   Expected<std::vector<std::byte>> encode(const TileMesh& mesh) const override;

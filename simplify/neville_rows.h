@@ -26,7 +26,6 @@ class NevilleRows {
   const std::vector<double>& next();
 
  private:
-
   SampleRows samples_;  // layer 0 alone
   std::int64_t column_;
   std::int64_t row_;

@@ -52,9 +52,10 @@ class Sampler {
       : manifest_(&manifest),
         view_(surface, stop),
         meter_(view_),
-        maker_(make_tile_maker(manifest.method, surface, manifest.layout, effort_named(manifest.effort), stop)),
+        maker_(make_tile_maker(manifest.method, surface, manifest.layout, effort_named(manifest.effort), stop,
+                               manifest.criterion)),
         codec_(codec::find_codec(manifest.method)),
-        decoder_(manifest, [this](const TileId& id) { return make_stored_tile(*maker_, *codec_, manifest_->layout, id); }) {}
+        decoder_(manifest, {}) {}
 
   Expected<void> run(SampledTile& out) {
     double mark = thread_seconds();

@@ -12,17 +12,23 @@ namespace {
 struct Method {
   std::string_view name;
   std::unique_ptr<TileMaker> (*make)(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort effort,
-                                     const StopFlag* stop);
+                                     const StopFlag* stop, std::string_view criterion);
 };
 
 template <typename Maker>
 std::unique_ptr<TileMaker> make(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort effort,
-                                const StopFlag* stop) {
+                                const StopFlag* stop, std::string_view /*criterion*/) {
   return std::make_unique<Maker>(surface, layout, effort, stop);
 }
 
+std::unique_ptr<TileMaker> make_wavelet(const ReferenceSurface& surface, const codec::TreeLayout& layout,
+                                        Effort /*effort*/, const StopFlag* stop, std::string_view criterion) {
+  using enum codec::PatchCriterion;
+  return std::make_unique<WaveletMaker>(surface, layout, criterion == "max" ? kMax : kRms, stop);
+}
+
 /// One row a method, as in codec/mesh_codec.cpp.
-constexpr std::array kMethods{Method{"tin", make<TinMaker>}, Method{"wavelet", make<WaveletMaker>}};
+constexpr std::array kMethods{Method{"tin", make<TinMaker>}, Method{"wavelet", make_wavelet}};
 
 }  // namespace
 
@@ -33,9 +39,10 @@ std::vector<std::string> method_names() {
 }
 
 std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,
-                                           const codec::TreeLayout& layout, Effort effort, const StopFlag* stop) {
+                                           const codec::TreeLayout& layout, Effort effort, const StopFlag* stop,
+                                           std::string_view criterion) {
   const auto* found = std::ranges::find(kMethods, method, &Method::name);
-  return found == kMethods.end() ? nullptr : found->make(surface, layout, effort, stop);
+  return found == kMethods.end() ? nullptr : found->make(surface, layout, effort, stop, criterion);
 }
 
 }  // namespace tintree::simplify

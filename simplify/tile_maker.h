@@ -39,9 +39,10 @@ class TileMaker {
 /// The methods that make_tile_maker() knows, the default one first.
 std::vector<std::string> method_names();
 
-/// A maker of the method ("tin"), or null for one that this version lacks. `stop` must outlive it.
+/// A maker of the method ("tin"), or null for one that this version lacks. `stop` must outlive it. `criterion` is the
+/// manifest's.
 std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,
                                            const codec::TreeLayout& layout, Effort effort = Effort::kFast,
-                                           const StopFlag* stop = nullptr);
+                                           const StopFlag* stop = nullptr, std::string_view criterion = {});
 
 }  // namespace tintree::simplify

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "codec/vertex_fans.h"
 #include "codec/wavelet_tiles.h"
 #include "simplify/neville_rows.h"
 
@@ -41,14 +42,15 @@ Expected<codec::TileMesh> stored_mesh(const StartMesh& start, std::int64_t cells
     out.triangles.push_back(
         {static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]), static_cast<std::uint32_t>(t[2])});
   }
+  codec::separate_fans(out);
   return out;
 }
 
 }  // namespace
 
-WaveletMaker::WaveletMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort,
-                           const StopFlag* stop)
-    : view_(surface, stop), layout_(layout) {}
+WaveletMaker::WaveletMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout,
+                           codec::PatchCriterion criterion, const StopFlag* stop)
+    : view_(surface, stop), layout_(layout), criterion_(criterion) {}
 
 Expected<codec::TileMesh> WaveletMaker::make(const codec::TileId& id) {
   const std::int64_t cells = layout_.cells_across(id.level);
@@ -97,8 +99,8 @@ Expected<codec::EncodedPatch> WaveletMaker::encode_patch(const codec::TileId& id
   }
   const double unit_m = layout_.z_step_m[static_cast<std::size_t>(id.level)] / codec::kUnitsAStep;
   codec::PatchSpec spec;
-  spec.criterion = codec::PatchCriterion::kRms;
-  spec.bound = std::llround(layout_.bound_m(id.level) / unit_m * (getenv("SHARE") ? atof(getenv("SHARE")) : 1));
+  spec.criterion = criterion_;
+  spec.bound = std::llround(layout_.bound_m(id.level) / unit_m);
   const codec::Patch prediction = codec::wavelet_prediction(layout_, id, parent.get());
   auto coded = codec::encode_patch(target(id), prediction, spec);
   if (view_.interrupted()) return tl::unexpected(*view_.error());

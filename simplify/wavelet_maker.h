@@ -15,7 +15,8 @@ namespace tintree::simplify {
 /// tiles above: they too are made of the DEM alone, and the last ones kept.
 class WaveletMaker final : public TileMaker {
  public:
-  WaveletMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort effort = Effort::kFast,
+  /// The patches keep to the criterion with their level's bound.
+  WaveletMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, codec::PatchCriterion criterion,
                const StopFlag* stop = nullptr);
 
   Expected<codec::TileMesh> make(const codec::TileId& id) override;
@@ -29,6 +30,7 @@ class WaveletMaker final : public TileMaker {
 
   SurfaceView view_;
   codec::TreeLayout layout_;
+  codec::PatchCriterion criterion_;
   codec::PatchCache patches_;
 };
 

@@ -128,11 +128,12 @@ void expect_sound_stored_tile(const Terrain& terrain, const WholeTree& tree, con
 }  // namespace
 
 Expected<WholeTree> build_whole_tree(const Terrain& terrain, const codec::TreeLayout& layout, const std::string& path,
-                                     const std::string& effort) {
+                                     const std::string& effort, const std::string& method) {
   const auto go_on = [](const std::string&, std::uint64_t, std::uint64_t) { return true; };
   cache::Manifest manifest;
   manifest.layout = layout;
   manifest.effort = effort;
+  manifest.method = method;
   manifest.geotransform = {0, 1, 0, 0, 0, -1};
   manifest.inputs = {{"dem.tif", 1, 1}};
   manifest.samples_digest = terrain.surface->digest();

@@ -1,5 +1,5 @@
-// The grid coder of method `wavelet` alone, without a mesh: a raster as the patches of its layers (Yusov & Turlapov 2008,
-// tables 1 to 5). Prints one line of JSON.
+// The grid coder of method `wavelet` alone, without a mesh: a raster as the patches of its layers (Yusov & Turlapov
+// 2008, tables 1 to 5). Prints one line of JSON.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -85,8 +85,14 @@ class Coder {
     const std::int64_t across = std::int64_t{job_->patch} << layer;
     if (x * across >= job_->columns || y * across >= job_->rows) return;
     codec::PatchSpec spec = job_->spec;
+    // Bounds double with every layer up, as a tree's do.
     spec.bound <<= layer;
-    if (spec.corrected && layer > 0) { spec.corrected = false; spec.criterion = codec::PatchCriterion::kRms; spec.bound = std::max<std::int64_t>(1, spec.bound / atoi(getenv("X4"))); }
+    if (spec.corrected && layer > 0) {
+      // Corrections leave even noise behind, from which the finer layer is foretold badly.
+      spec.corrected = false;
+      spec.criterion = codec::PatchCriterion::kRms;
+      spec.bound /= 2;
+    }
     const bool alone = parent == nullptr || job_->direct;
     if (alone) spec.bits = std::max(spec.bits, 12);
     const codec::Patch prediction = alone ? codec::Patch(side(), 0) : codec::predict_patch(*parent, quadrant, 1);
@@ -103,7 +109,6 @@ class Coder {
       std::fputs("decodes to something else\n", stderr);
       std::exit(1);
     }
-    // The direct variant needs no coarser layer for a finer one.
     result_.bytes += coded->bytes.size();
     if (layer == 0) result_.leaf_bytes += coded->bytes.size();
     ++result_.patches;
@@ -136,7 +141,8 @@ int run(std::span<char*> arguments) {
     return 2;
   }
   Job job;
-  auto grid = bench::read_grid(arguments[1], {.columns = std::stoi(arguments[2]), .rows = std::stoi(arguments[3]), .heights_m = {}});
+  auto grid = bench::read_grid(arguments[1],
+                               {.columns = std::stoi(arguments[2]), .rows = std::stoi(arguments[3]), .heights_m = {}});
   if (!grid) {
     std::fputs((grid.error().text() + "\n").c_str(), stderr);
     return static_cast<int>(grid.error().code);
