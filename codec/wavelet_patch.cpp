@@ -19,7 +19,7 @@ constexpr int kMostBits = 16;
 constexpr std::uint64_t kCorrectedFlag = 32;
 constexpr std::size_t kLeastRate = 64;  // bytes
 /// No height of ours is farther from 0; damaged bytes may lead there.
-constexpr std::int64_t kFarthest = std::int64_t{1} << 52;
+constexpr std::int64_t kFarthest = std::int64_t{1} << 50;
 
 /// The quantiser: residual = low + step * number, number in 0 .. 2^bits - 1.
 struct Quantizer {

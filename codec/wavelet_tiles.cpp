@@ -8,6 +8,8 @@
 namespace tintree::codec {
 namespace {
 
+constexpr int kFractionBits = 10;
+
 int patch_side(const TreeLayout& layout) { return layout.tile_cells + 2 * kPatchMargin; }
 
 /// The patch's height at a sample of the DEM, between the four of its own around it.
@@ -24,11 +26,12 @@ class PatchGuess {
     const std::int64_t down = 2 * y - first;
     const auto i = static_cast<int>(across / spacing);
     const auto j = static_cast<int>(down / spacing);
-    const std::int64_t u = across % spacing;
-    const std::int64_t v = down % spacing;
-    const auto between = [spacing](std::int64_t a, std::int64_t b, std::int64_t f) {
-      return a + (b - a) * f / spacing;
-    };
+    // Places between samples count in 1024ths at most, so that no product is too large.
+    const int spare = std::max(0, shift_ - kFractionBits + 1);
+    const std::int64_t whole = spacing >> spare;
+    const std::int64_t u = across % spacing >> spare;
+    const std::int64_t v = down % spacing >> spare;
+    const auto between = [whole](std::int64_t a, std::int64_t b, std::int64_t f) { return a + (b - a) * f / whole; };
     const auto row = [&](int k) {
       return between(patch_->at(i, k), u == 0 ? patch_->at(i, k) : patch_->at(i + 1, k), u);
     };

@@ -24,6 +24,19 @@ codec::TreeLayout layout() {
   return l;
 }
 
+/// Of method `wavelet`: the root stands alone, other tiles lie on it.
+void read_wavelet_payload(std::span<const std::byte> bytes) {
+  codec::TreeLayout l = layout();
+  const auto decoder =
+      codec::make_tile_decoder("wavelet", l, [&](const codec::TileId&) -> Expected<std::vector<std::byte>> {
+        return std::vector<std::byte>{std::byte{0}, std::byte{0}};
+      });
+  for (const codec::TileId& id : {codec::TileId{0, 0, 0}, codec::TileId{1, 1, 0}}) {
+    const auto mesh = decoder->decode(id, bytes);
+    if (mesh) static_cast<void>(codec::validate(*mesh, l.cells_across(id.level)));
+  }
+}
+
 /// What decodes and validates has to survive being encoded again.
 void read_payload(std::span<const std::byte> bytes) {
   const codec::MeshCodec& codec = *codec::find_codec("tin");
@@ -49,12 +62,15 @@ void read_bounds(std::span<const std::byte> bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const auto bytes = std::as_bytes(std::span(data, size)).subspan(1);
-  switch (data[0] % 3) {
+  switch (data[0] % 4) {
     case 0:
       read_payload(bytes);
       break;
     case 1:
       read_manifest(bytes);
+      break;
+    case 2:
+      read_wavelet_payload(bytes);
       break;
     default:
       read_bounds(bytes);
