@@ -150,6 +150,7 @@ std::string Manifest::to_json() const {
   }
   if (normal_maps) j["normal_maps"] = true;
   if (!quantizer.empty()) j["quantizer"] = quantizer;
+  if (!criterion.empty()) j["criterion"] = criterion;
   return printable(j);
 }
 
@@ -162,6 +163,11 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
     if (m.effort != "fast" && m.effort != "best")
       return fail(ErrorCode::kBadData, "the manifest names an unknown --effort");
     if (j.contains("quantizer")) m.quantizer = j.at("quantizer").get<std::string>();
+    if (j.contains("criterion")) {
+      m.criterion = j.at("criterion").get<std::string>();
+      if (m.criterion != "max" && m.criterion != "rms")
+        return fail(ErrorCode::kBadData, "the manifest names an unknown --criterion");
+    }
     m.layout.columns = j.at("columns").get<std::int64_t>();
     m.layout.rows = j.at("rows").get<std::int64_t>();
     m.layout.tile_cells = j.at("tile_cells").get<int>();
@@ -208,6 +214,7 @@ std::string Manifest::difference(const Manifest& other) const {
   for (const std::string& d :
        {differ("--method", method, other.method), differ("--effort", effort, other.effort),
         differ("--quantizer", quantizer, other.quantizer),
+        differ("--criterion", criterion, other.criterion),
         differ("--nodata", std::string(nodata_name(nodata)), std::string(nodata_name(other.nodata))),
         differ("--tile", a.tile_cells, b.tile_cells), differ("--normal-maps", normal_maps, other.normal_maps),
         // Says more than the size and spacing that come of it.

@@ -18,7 +18,7 @@ struct Loaded {
 Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id) {
   auto stored = tree.store->read(id);
   if (!stored) return tl::unexpected(stored.error());
-  auto mesh = decode_tile(tree.store->manifest(), *stored);
+  auto mesh = tree.store->decode(*stored);
   if (!mesh) {
     mesh.error().where = tree.store->path() + ": " + mesh.error().where;
     return tl::unexpected(mesh.error());

@@ -9,12 +9,23 @@
 
 namespace tintree::cache {
 
-Expected<codec::TileMesh> decode_tile(const Manifest& manifest, const StoredTile& tile) {
-  const codec::MeshCodec* codec = codec::find_codec(manifest.method);
-  if (codec == nullptr) return fail(ErrorCode::kBadData, "method '" + manifest.method + "' is unknown; update tintree");
-  auto mesh = codec->decode(tile.payload);
+TileDecoder::TileDecoder(const Manifest& manifest, std::function<Expected<StoredTile>(const codec::TileId&)> read)
+    : manifest_(&manifest),
+      decoder_(codec::make_tile_decoder(
+          manifest.method, manifest.layout,
+          [read = std::move(read)](const codec::TileId& id) -> Expected<std::vector<std::byte>> {
+            auto tile = read(id);
+            if (!tile) return tl::unexpected(tile.error());
+            return std::move(tile->payload);
+          })) {}
+
+Expected<codec::TileMesh> TileDecoder::decode(const StoredTile& tile) const {
+  if (decoder_ == nullptr) {
+    return fail(ErrorCode::kBadData, "method '" + manifest_->method + "' is unknown; update tintree");
+  }
+  auto mesh = decoder_->decode(tile.info.id, tile.payload);
   if (mesh) {
-    auto valid = codec::validate(*mesh, manifest.layout.cells_across(tile.info.id.level));
+    auto valid = codec::validate(*mesh, manifest_->layout.cells_across(tile.info.id.level));
     if (!valid) mesh = tl::unexpected(valid.error());
   }
   if (!mesh) mesh.error().where = "tile " + tile.info.id.text();
@@ -22,12 +33,20 @@ Expected<codec::TileMesh> decode_tile(const Manifest& manifest, const StoredTile
 }
 
 struct TileStore::Impl {
-  Impl(SqliteDb d, Manifest m, TileBounds b) : db(std::move(d)), manifest(std::move(m)), bounds(std::move(b)) {}
+  Impl(SqliteDb d, Manifest m, TileBounds b)
+      : db(std::move(d)),
+        manifest(std::move(m)),
+        bounds(std::move(b)),
+        decoder(manifest, [this](const codec::TileId& id) {
+          const std::scoped_lock lock(turn);
+          return read_tile(db, id);
+        }) {}
 
   SqliteDb db;
   Manifest manifest;
   TileBounds bounds;
   mutable std::mutex turn;
+  TileDecoder decoder;
 };
 
 TileStore::TileStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -100,9 +119,11 @@ Expected<std::string> TileStore::digest() const {
 Expected<codec::TileMesh> TileStore::read_mesh(const codec::TileId& id) const {
   auto tile = read(id);
   if (!tile) return tl::unexpected(tile.error());
-  auto mesh = decode_tile(impl_->manifest, *tile);
+  auto mesh = decode(*tile);
   if (!mesh) mesh.error().where = path() + ": " + mesh.error().where;
   return mesh;
 }
+
+Expected<codec::TileMesh> TileStore::decode(const StoredTile& tile) const { return impl_->decoder.decode(tile); }
 
 }  // namespace tintree::cache

@@ -13,6 +13,7 @@
 #include "cache/picture_rows.h"
 #include "cache/tile_bounds.h"
 #include "codec/error.h"
+#include "codec/mesh_codec.h"
 #include "codec/stop_flag.h"
 #include "codec/tile_id.h"
 #include "codec/tile_mesh.h"
@@ -45,6 +46,8 @@ class TileStore {
   Expected<StoredTile> read(const codec::TileId& id) const;
   /// The same, decoded and validated: ready for use.
   Expected<codec::TileMesh> read_mesh(const codec::TileId& id) const;
+  /// What read() has returned, decoded and validated.
+  Expected<codec::TileMesh> decode(const StoredTile& tile) const;
 
   /// The tile's texture or normal map with its checksum verified, or nothing where it has none.
   Expected<std::optional<std::vector<std::byte>>> read_picture(PictureKind kind, const codec::TileId& id) const;
@@ -65,8 +68,19 @@ class TileStore {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Decodes a payload whose checksum holds and validates what comes out; names the tile in its errors.
-Expected<codec::TileMesh> decode_tile(const Manifest& manifest, const StoredTile& tile);
+/// Decodes the tiles of a tree and validates what comes out. Any thread.
+class TileDecoder {
+ public:
+  /// `read` is asked for tiles that others build on; `manifest` and what it needs must outlive the decoder.
+  TileDecoder(const Manifest& manifest, std::function<Expected<StoredTile>(const codec::TileId&)> read);
+
+  /// A payload's checksum must hold; errors name the tile.
+  Expected<codec::TileMesh> decode(const StoredTile& tile) const;
+
+ private:
+  const Manifest* manifest_;
+  std::unique_ptr<codec::TileDecoder> decoder_;
+};
 
 /// Writes a tree. Until finish() the file lies beside its goal under building_path(), where a build that
 /// was stopped or killed can go on. It belongs to one writer at a time: another fails with kIo. Not thread-safe.

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "codec/error.h"
+#include "codec/grid_frame.h"
+#include "codec/tile_id.h"
 #include "codec/tile_mesh.h"
 
 namespace tintree::codec {
@@ -24,6 +27,22 @@ class MeshCodec {
   /// The caller has verified the payload's checksum; the result still has to pass validate().
   virtual Expected<TileMesh> decode(std::span<const std::byte> bytes) const = 0;
 };
+
+/// The payload of another tile of the same tree. Any thread.
+using PayloadReader = std::function<Expected<std::vector<std::byte>>(const TileId&)>;
+
+/// Decodes the tiles of one tree, also those of methods whose tiles build on the ones above them. Any thread.
+class TileDecoder {
+ public:
+  virtual ~TileDecoder() = default;
+
+  /// As MeshCodec::decode().
+  virtual Expected<TileMesh> decode(const TileId& id, std::span<const std::byte> bytes) = 0;
+};
+
+/// For a tree of the method; null for one that this version lacks. `read` is asked for what a tile builds on, by
+/// methods that do.
+std::unique_ptr<TileDecoder> make_tile_decoder(std::string_view method, const TreeLayout& layout, PayloadReader read);
 
 /// The codec of a method as the manifest names it ("tin"), or null for a method this version lacks.
 const MeshCodec* find_codec(std::string_view method);

@@ -56,7 +56,11 @@ class Pass {
  public:
   Pass(const ReferenceSurface& surface, const cache::Manifest& manifest, cache::TileWriter& writer,
        const ProgressFn& progress)
-      : surface_(&surface), manifest_(&manifest), writer_(&writer), progress_(&progress) {}
+      : surface_(&surface),
+        manifest_(&manifest),
+        writer_(&writer),
+        progress_(&progress),
+        decoder_(manifest, [this](const TileId& id) { return read(id); }) {}
 
   Expected<void> run();
   const std::map<std::int64_t, MeasuredError>& results() const { return results_; }
@@ -70,6 +74,10 @@ class Pass {
     std::map<std::int64_t, MeasuredError> within;
   };
 
+  Expected<cache::StoredTile> read(const TileId& id) {
+    const std::scoped_lock lock(turn_);
+    return writer_->read(id);
+  }
   std::optional<MeasuredMesh> load(const TileId& id);
   void run_task(Task& task);
   void visit(const TileId& id, const std::vector<Layer>& layers, Task& task, ErrorMeter& meter);
@@ -80,6 +88,7 @@ class Pass {
   const cache::Manifest* manifest_;
   cache::TileWriter* writer_;
   const ProgressFn* progress_;
+  cache::TileDecoder decoder_;
   std::vector<std::int64_t> keys_;
   std::map<std::int64_t, MeasuredMesh> shared_;
   std::map<std::int64_t, MeasuredError> results_;
@@ -97,12 +106,9 @@ void Pass::stop_with(const Error& error) {
 }
 
 std::optional<MeasuredMesh> Pass::load(const TileId& id) {
-  auto tile = [&] {
-    const std::scoped_lock lock(turn_);
-    return writer_->read(id);
-  }();
+  const auto tile = read(id);
   if (tile) {
-    auto mesh = cache::decode_tile(*manifest_, *tile);
+    auto mesh = decoder_.decode(*tile);
     if (mesh) return MeasuredMesh(manifest_->layout, id, *mesh);
     stop_with(mesh.error());
   } else {

@@ -52,9 +52,9 @@ class Sampler {
       : manifest_(&manifest),
         view_(surface, stop),
         meter_(view_),
-        maker_(make_tile_maker(manifest.method, surface, manifest.layout, effort_named(manifest.effort), stop,
-                              codec::quantizer_named(manifest.quantizer))),
-        codec_(codec::find_codec(manifest.method)) {}
+        maker_(make_tile_maker(manifest, surface, stop)),
+        codec_(codec::find_codec(manifest.method)),
+        decoder_(manifest, {}) {}
 
   Expected<void> run(SampledTile& out) {
     double mark = thread_seconds();
@@ -69,7 +69,7 @@ class Sampler {
     out.triangles = tile->info.triangles;
     out.bytes = tile->payload.size();
     if (out.id.level < manifest_->layout.leaf_level || tile->payload.empty()) return {};
-    const auto mesh = cache::decode_tile(*manifest_, *tile);
+    const auto mesh = decoder_.decode(*tile);
     if (!mesh) return tl::unexpected(mesh.error());
     const MeasuredMesh measured(manifest_->layout, out.id, *mesh);
     std::vector<std::uint32_t> all(measured.triangles.size());
@@ -87,6 +87,7 @@ class Sampler {
   ErrorMeter meter_;
   std::unique_ptr<TileMaker> maker_;
   const codec::MeshCodec* codec_;
+  cache::TileDecoder decoder_;
 };
 
 }  // namespace

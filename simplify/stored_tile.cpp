@@ -32,7 +32,7 @@ Expected<cache::StoredTile> make_stored_tile(TileMaker& maker, const codec::Mesh
   cache::StoredTile tile;
   tile.info.id = id;
   if (mesh->triangles.empty()) return tile;
-  auto payload = codec.encode(*mesh);
+  auto payload = maker.encode(codec, id, *mesh);
   if (!payload) {
     payload.error().where = "tile " + id.text();
     return tl::unexpected(payload.error());

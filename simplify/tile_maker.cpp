@@ -7,30 +7,35 @@
 #include "simplify/scalar_maker.h"
 #include "simplify/strip_maker.h"
 #include "simplify/tin_maker.h"
+#include "simplify/wavelet_maker.h"
 
 namespace tintree::simplify {
 namespace {
 
+using MakerPtr = std::unique_ptr<TileMaker>;
+
 struct Method {
   std::string_view name;
-  std::unique_ptr<TileMaker> (*make)(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort effort,
-                                     const StopFlag* stop, codec::QuantizerKind quantizer);
+  MakerPtr (*make)(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop);
 };
 
 template <typename Maker>
-std::unique_ptr<TileMaker> make(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort effort,
-                                const StopFlag* stop, codec::QuantizerKind /*quantizer*/) {
-  return std::make_unique<Maker>(surface, layout, effort, stop);
+MakerPtr make(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop) {
+  return std::make_unique<Maker>(surface, manifest.layout, effort_named(manifest.effort), stop);
 }
 
-std::unique_ptr<TileMaker> make_scalar(const ReferenceSurface& surface, const codec::TreeLayout& layout,
-                                       Effort /*effort*/, const StopFlag* stop, codec::QuantizerKind quantizer) {
-  return std::make_unique<ScalarMaker>(surface, layout, quantizer, stop);
+MakerPtr make_wavelet(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop) {
+  return std::make_unique<WaveletMaker>(surface, manifest.layout, codec::criterion_named(manifest.criterion), stop);
+}
+
+MakerPtr make_scalar(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop) {
+  return std::make_unique<ScalarMaker>(surface, manifest.layout, codec::quantizer_named(manifest.quantizer), stop);
 }
 
 /// One row a method, as in codec/mesh_codec.cpp.
 constexpr std::array kMethods{Method{"tin", make<TinMaker>}, Method{"strip", make<StripMaker>},
-                              Method{"nested", make<NestedMaker>}, Method{"scalar", make_scalar}};
+                              Method{"nested", make<NestedMaker>}, Method{"wavelet", make_wavelet},
+                              Method{"scalar", make_scalar}};
 
 }  // namespace
 
@@ -40,11 +45,9 @@ std::vector<std::string> method_names() {
   return names;
 }
 
-std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,
-                                           const codec::TreeLayout& layout, Effort effort, const StopFlag* stop,
-                                           codec::QuantizerKind quantizer) {
-  const auto* found = std::ranges::find(kMethods, method, &Method::name);
-  return found == kMethods.end() ? nullptr : found->make(surface, layout, effort, stop, quantizer);
+MakerPtr make_tile_maker(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop) {
+  const auto* found = std::ranges::find(kMethods, manifest.method, &Method::name);
+  return found == kMethods.end() ? nullptr : found->make(manifest, surface, stop);
 }
 
 }  // namespace tintree::simplify

@@ -1,13 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "cache/manifest.h"
 #include "codec/error.h"
 #include "codec/grid_frame.h"
-#include "codec/quantizer.h"
+#include "codec/mesh_codec.h"
 #include "codec/stop_flag.h"
 #include "codec/tile_mesh.h"
 #include "simplify/collapse_spec.h"
@@ -26,16 +28,21 @@ class TileMaker {
   /// triangles when there is no surface. Fails with kBadData when the heights do not fit the lattice, and with
   /// what the DEM's reader says, and with kStopped soon after a stop was asked for, even inside a tile.
   virtual Expected<codec::TileMesh> make(const codec::TileId& id) = 0;
+
+  /// The payload of a mesh that make() has returned: what the method's codec makes of it, unless the method needs more
+  /// than the mesh.
+  virtual Expected<std::vector<std::byte>> encode(const codec::MeshCodec& codec, const codec::TileId& /*id*/,
+                                                  const codec::TileMesh& mesh) {
+    return codec.encode(mesh);
+  }
 };
 
 /// The methods that make_tile_maker() knows, the default one first.
 std::vector<std::string> method_names();
 
-/// A maker of the method ("tin"), or null for one that this version lacks. `stop` must outlive it. Of the choices each
-/// method looks at its own: `tin` at the effort, `scalar` at the quantiser.
-std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,
-                                           const codec::TreeLayout& layout, Effort effort = Effort::kFast,
-                                           const StopFlag* stop = nullptr,
-                                           codec::QuantizerKind quantizer = codec::QuantizerKind::kUniform);
+/// A maker of the tiles that the manifest describes, by its layout, method and the method's own choices; null for a
+/// method that this version lacks. `stop` must outlive it.
+std::unique_ptr<TileMaker> make_tile_maker(const cache::Manifest& manifest, const ReferenceSurface& surface,
+                                           const StopFlag* stop = nullptr);
 
 }  // namespace tintree::simplify

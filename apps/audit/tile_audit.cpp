@@ -105,7 +105,7 @@ class TileExamination {
 
   Expected<void> examine_tile() {
     auto stored = context_.store.read(report_.id);
-    auto mesh = stored ? cache::decode_tile(context_.store.manifest(), *stored) : tl::unexpected(stored.error());
+    auto mesh = stored ? context_.store.decode(*stored) : tl::unexpected(stored.error());
     if (!mesh) {
       if (mesh.error().code != ErrorCode::kBadData) return tl::unexpected(mesh.error());
       blame(ViolationKind::kFile, mesh.error().message);

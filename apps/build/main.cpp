@@ -37,6 +37,15 @@ Expected<void> check(const BuildOptions& o) {
   }
   if (o.quantizer && o.method != "scalar")
     return tintree::fail(ErrorCode::kUsage, "is for --method scalar; leave it out with " + o.method, "--quantizer");
+  if (o.criterion && o.method != "wavelet")
+    return tintree::fail(ErrorCode::kUsage, "is for --method wavelet; leave it out with " + o.method, "--criterion");
+  if (o.plan && o.method == "wavelet") {
+    return tintree::fail(
+        ErrorCode::kUsage,
+        "cannot judge --method wavelet, whose tiles build on those above them; plan --method tin, which "
+        "takes about as many bytes",
+        "--plan");
+  }
   if (o.threads < 0 || o.threads > 1024)
     return tintree::fail(ErrorCode::kUsage, "must lie between 0 (all cores) and 1024", "--threads");
   if (o.output.empty() && !o.plan) return tintree::fail(ErrorCode::kUsage, "is required (see --help)", "--output");
@@ -77,6 +86,10 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--quantizer", o.quantizer, "With --method scalar: how heights are quantised (default: uniform)")
       ->check(CLI::IsMember({"uniform", "lloyd-max"}));
+  app.add_option("--criterion", o.criterion,
+                 "With --method wavelet, what the coded heights of a tile keep within its bound beside the surface: "
+                 "max each, or rms their root mean square (default)")
+      ->check(CLI::IsMember({"max", "rms"}));
   app.add_option("--tile", o.tile_cells, "DEM cells along a leaf's side, a power of two")->capture_default_str();
   app.add_option("--ortho", o.orthos,
                  "Photos to drape over the terrain, in any format and CRS that GDAL reads; the last lies on top");

@@ -26,7 +26,7 @@ class Exporter {
   Expected<void> add(const codec::TileId& id) {
     const auto tile = store_.read(id);
     if (!tile) return tl::unexpected(tile.error());
-    const auto mesh = cache::decode_tile(store_.manifest(), *tile);
+    const auto mesh = store_.decode(*tile);
     if (!mesh) return fail(mesh.error().code, mesh.error().text(), store_.path());
     if (summary_.vertices + mesh->vertices.size() > kMaxVertices) {
       return fail(ErrorCode::kUsage,

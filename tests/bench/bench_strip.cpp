@@ -52,7 +52,7 @@ struct Scene {
 
   /// The payloads of the leaves.
   std::vector<std::vector<std::byte>> leaves() const {
-    const auto maker = simplify::make_tile_maker("strip", *surface, layout);
+    const auto maker = simplify::make_tile_maker({.method = "strip", .layout = layout}, *surface);
     std::vector<std::vector<std::byte>> out;
     const int level = layout.leaf_level;
     for (std::uint32_t y = 0; y < layout.tiles_y(level); ++y) {

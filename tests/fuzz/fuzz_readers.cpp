@@ -25,7 +25,21 @@ codec::TreeLayout layout() {
   return l;
 }
 
-/// What decodes and validates has to survive being encoded again; a strip may turn out not to be a mesh then.
+/// Of method `wavelet`: the root stands alone, other tiles lie on it.
+void read_wavelet_payload(std::span<const std::byte> bytes) {
+  codec::TreeLayout l = layout();
+  const auto decoder =
+      codec::make_tile_decoder("wavelet", l, [&](const codec::TileId&) -> Expected<std::vector<std::byte>> {
+        return std::vector<std::byte>{std::byte{0}, std::byte{0}};
+      });
+  for (const codec::TileId& id : {codec::TileId{0, 0, 0}, codec::TileId{1, 1, 0}}) {
+    const auto mesh = decoder->decode(id, bytes);
+    if (mesh) static_cast<void>(codec::validate(*mesh, l.cells_across(id.level)));
+  }
+}
+
+/// What decodes and validates has to survive being encoded again; what the others' payloads hold may turn out not to be
+/// a mesh of theirs then.
 void read_payload(const char* method, std::span<const std::byte> bytes) {
   const codec::MeshCodec& codec = *codec::find_codec(method);
   const auto mesh = codec.decode(bytes);
@@ -50,7 +64,7 @@ void read_bounds(std::span<const std::byte> bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const auto bytes = std::as_bytes(std::span(data, size)).subspan(1);
-  switch (data[0] % 4) {
+  switch (data[0] % 7) {
     case 0:
       read_payload("tin", bytes);
       break;
@@ -58,10 +72,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       read_manifest(bytes);
       break;
     case 2:
+      read_wavelet_payload(bytes);
+      break;
+    case 3:
       read_bounds(bytes);
       break;
-    default:
+    case 4:
       read_payload("strip", bytes);
+      break;
+    case 5:
+      read_payload("nested", bytes);
+      break;
+    default:
+      read_payload("scalar", bytes);
   }
   return 0;
 }

@@ -136,6 +136,7 @@ Expected<WholeTree> build_whole_tree(const Terrain& terrain, const codec::TreeLa
   manifest.quantizer = quantizer;
   manifest.layout = layout;
   manifest.effort = effort;
+  manifest.method = method;
   manifest.geotransform = {0, 1, 0, 0, 0, -1};
   manifest.inputs = {{"dem.tif", 1, 1}};
   manifest.samples_digest = terrain.surface->digest();

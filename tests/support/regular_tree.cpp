@@ -186,7 +186,7 @@ cache::StoredTile& TestTree::tile(const codec::TileId& id) {
 }
 
 codec::TileMesh TestTree::mesh(const codec::TileId& id) const {
-  return value_of(cache::decode_tile(manifest, const_cast<TestTree*>(this)->tile(id)));
+  return value_of(cache::TileDecoder(manifest, {}).decode(const_cast<TestTree*>(this)->tile(id)));
 }
 
 void TestTree::set_mesh(const codec::TileId& id, const codec::TileMesh& mesh) {
@@ -209,7 +209,7 @@ TestTree make_regular_tree(const cache::RasterSource& source, const RegularTreeO
         cache::StoredTile tile;
         tile.info.id = id;
         tile.payload = value_of(codec::find_codec("tin")->encode(made));
-        const codec::TileMesh mesh = value_of(cache::decode_tile(tree.manifest, tile));
+        const codec::TileMesh mesh = value_of(cache::TileDecoder(tree.manifest, {}).decode(tile));
         const NaiveFigures f = naive_figures(grid, layout, id, mesh);
         tile.info = {id,
                      static_cast<std::uint32_t>(mesh.vertices.size()),

@@ -1,0 +1,124 @@
+#include "simplify/wavelet_maker.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "codec/vertex_fans.h"
+#include "codec/wavelet_tiles.h"
+#include "simplify/neville_rows.h"
+
+namespace tintree::simplify {
+namespace {
+
+/// The mesh on the coarsest address grid that holds it.
+Expected<codec::TileMesh> stored_mesh(const StartMesh& start, std::int64_t cells, const codec::TileId& id) {
+  codec::TileMesh out;
+  if (start.triangles.empty()) return out;
+  const auto [lowest, highest] = std::ranges::minmax(start.vertices, {}, &LatticeVertex::z);
+  const std::int64_t relief = std::int64_t{highest.z} - lowest.z;
+  if (relief > codec::kMaxHeightAddress) {
+    return fail(ErrorCode::kBadData,
+                fmt::format("its relief spans {} height steps, more than the {} of the format; choose an --error at "
+                            "least {:.1f} times as large",
+                            relief, codec::kMaxHeightAddress, static_cast<double>(relief) / codec::kMaxHeightAddress),
+                "tile " + id.text());
+  }
+  auto all_bits = static_cast<std::uint64_t>(cells);
+  for (const LatticeVertex& v : start.vertices) all_bits |= static_cast<std::uint32_t>(v.x | v.y);
+  out.xy_shift = std::countr_zero(all_bits);
+  out.z_offset = start.heights.origin + lowest.z;
+  out.vertices.reserve(start.vertices.size());
+  for (const LatticeVertex& v : start.vertices) {
+    out.vertices.push_back({v.x >> out.xy_shift, v.y >> out.xy_shift, v.z - lowest.z});
+  }
+  out.triangles.reserve(start.triangles.size());
+  for (const auto& t : start.triangles) {
+    out.triangles.push_back(
+        {static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]), static_cast<std::uint32_t>(t[2])});
+  }
+  codec::separate_fans(out);
+  return out;
+}
+
+}  // namespace
+
+WaveletMaker::WaveletMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout,
+                           codec::PatchCriterion criterion, const StopFlag* stop)
+    : view_(surface, stop), layout_(layout), criterion_(criterion) {}
+
+Expected<codec::TileMesh> WaveletMaker::make(const codec::TileId& id) {
+  const std::int64_t cells = layout_.cells_across(id.level);
+  const LevelGrid level{cells, layout_.bound_m(id.level), {layout_.z_step_m[static_cast<std::size_t>(id.level)]}};
+  const auto range = view_.surface().height_range_m(layout_.cells(id));
+  if (range[0] > range[1]) return codec::TileMesh{};
+  RightTriangleMesh mesh(view_, level, std::int64_t{id.x} * cells, std::int64_t{id.y} * cells);
+  if (view_.interrupted()) return tl::unexpected(*view_.error());
+  const StartMesh tile = mesh.tile();
+  if (view_.interrupted()) return tl::unexpected(*view_.error());
+  return stored_mesh(tile, cells, id);
+}
+
+/// The tile's patch of its level's layer, in units of its level.
+codec::Patch WaveletMaker::target(const codec::TileId& id) {
+  const int n = layout_.tile_cells;
+  const int side = n + 2 * codec::kPatchMargin;
+  const double unit_m = layout_.z_step_m[static_cast<std::size_t>(id.level)] / codec::kUnitsAStep;
+  const SampleRows samples = [this](std::int64_t column, std::int64_t row, std::vector<double>& out) {
+    const cache::HeightBlocks& blocks = view_.surface().blocks();
+    const bool in_rows = row >= 0 && row < blocks.rows() && !view_.interrupted();
+    for (std::size_t i = 0; i < out.size(); ++i, ++column) {
+      const bool inside = in_rows && column >= 0 && column < blocks.columns();
+      out[i] = inside ? view_.sample(column, row) : std::numeric_limits<double>::quiet_NaN();
+    }
+  };
+  NevilleRows rows(samples, layout_.leaf_level - id.level, std::int64_t{id.x} * n - codec::kPatchMargin,
+                   std::int64_t{id.y} * n - codec::kPatchMargin, side);
+  codec::Patch out(side, codec::kNoHeight);
+  for (int y = 0; y < side; ++y) {
+    const std::vector<double>& row = rows.next();
+    for (int x = 0; x < side; ++x) {
+      const double h = row[static_cast<std::size_t>(x)];
+      if (!std::isnan(h)) out.at(x, y) = std::llround(h / unit_m);
+    }
+  }
+  return out;
+}
+
+Expected<codec::EncodedPatch> WaveletMaker::encode_patch(const codec::TileId& id) {
+  std::shared_ptr<const codec::Patch> parent;
+  if (id.level > 0) {
+    auto above = reconstruction(id.parent());
+    if (!above) return tl::unexpected(above.error());
+    parent = std::move(*above);
+  }
+  const double unit_m = layout_.z_step_m[static_cast<std::size_t>(id.level)] / codec::kUnitsAStep;
+  codec::PatchSpec spec;
+  spec.criterion = criterion_;
+  spec.bound = std::llround(layout_.bound_m(id.level) / unit_m);
+  const codec::Patch prediction = codec::wavelet_prediction(layout_, id, parent.get());
+  auto coded = codec::encode_patch(target(id), prediction, spec);
+  if (view_.interrupted()) return tl::unexpected(*view_.error());
+  if (coded) patches_.keep(id, std::make_shared<const codec::Patch>(coded->reconstruction));
+  return coded;
+}
+
+Expected<std::shared_ptr<const codec::Patch>> WaveletMaker::reconstruction(const codec::TileId& id) {
+  if (auto known = patches_.find(id)) return known;
+  if (auto coded = encode_patch(id); !coded) return tl::unexpected(coded.error());
+  return patches_.find(id);
+}
+
+Expected<std::vector<std::byte>> WaveletMaker::encode(const codec::MeshCodec&, const codec::TileId& id,
+                                                      const codec::TileMesh& mesh) {
+  const auto patch = encode_patch(id);
+  if (!patch) return tl::unexpected(patch.error());
+  return codec::encode_wavelet_tile(layout_, id, mesh, *patch);
+}
+
+}  // namespace tintree::simplify
