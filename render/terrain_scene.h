@@ -68,7 +68,7 @@ class TerrainScene {
   DrawStats draw(const OffscreenTarget& target, const Camera& camera, const LodCut& cut, const Style& style);
 
   const FrameStats& frame_stats() const { return stats_; }
-  /// What has failed since the last call: each tile once.
+  /// What has failed since the last call, each failure once (TileCache::take_errors).
   std::vector<Error> take_errors() { return cache_->take_errors(); }
   /// Whether the view could become more complete without moving: tiles are on their way or wait for their upload.
   bool busy(const LodCut& cut);
