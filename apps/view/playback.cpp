@@ -162,6 +162,8 @@ nlohmann::ordered_json to_json(const std::vector<Frame>& frames, const render::G
       {"frame_seconds_worst", frame_seconds_quantile(frames, 1)},
       {"triangles", sum([](const Frame& f) { return f.drawn.triangles; })},
       {"draw_calls", sum([](const Frame& f) { return f.drawn.draw_calls; })},
+      {"frustum_culled", sum([](const Frame& f) { return f.cut.culled; })},
+      {"occluded", sum([](const Frame& f) { return f.cut.occluded; })},
       {"bytes_read", sum([](const Frame& f) { return f.stats.bytes_read; })},
       {"cache_hits", sum([](const Frame& f) { return f.stats.cache_hits; })},
       {"cache_misses", sum([](const Frame& f) { return f.stats.cache_misses; })},
