@@ -81,7 +81,9 @@ double Renderer::skirt_slope(const Camera& camera, const LodCut& cut) {
   return std::clamp(cut.max_error_px, 1.0, kMostSkirtPx) / (camera.focal_px() * camera.vertical_gain());
 }
 
-void Renderer::draw_background(const Camera& camera, const Style& style) const {
+void Renderer::draw_background(const OffscreenTarget& target, const Camera& camera, const Style& style) const {
+  target.bind();
+  gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   const glm::vec3 plain = style.background.value_or(glm::vec3(0));
   gl_->DepthMask(GL_TRUE);
   gl_->ClearColor(plain.r, plain.g, plain.b, 1);
@@ -120,10 +122,13 @@ void Renderer::set_terrain_uniforms(const Camera& camera, Trees trees, const Lod
 
 DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, Trees trees, const LodCut& cut,
                          GpuTilePool& pool, const Style& style) const {
-  target.bind();
+  draw_background(target, camera, style);
+  return draw_ground(camera, trees, cut, pool, style);
+}
+
+DrawStats Renderer::draw_ground(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool,
+                                const Style& style) const {
   if (gl_->ClipControl != nullptr) gl_->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-  gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-  draw_background(camera, style);
   DrawStats stats;
   if (cut.draws.empty()) return stats;
   gl_->Enable(GL_DEPTH_TEST);
