@@ -58,6 +58,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLENDTRANSFORMFEEDBACKPROC, EndTransformFeedback)                     \
   X(PFNGLFINISHPROC, Finish)                                                 \
   X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)               \
+  X(PFNGLFRAMEBUFFERTEXTURE2DPROC, FramebufferTexture2D)                     \
   X(PFNGLGENBUFFERSPROC, GenBuffers)                                         \
   X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                               \
   X(PFNGLGENQUERIESPROC, GenQueries)                                         \
