@@ -149,6 +149,7 @@ std::string Manifest::to_json() const {
     j["orthos"] = files_to_json(orthos);
   }
   if (normal_maps) j["normal_maps"] = true;
+  if (!quantizer.empty()) j["quantizer"] = quantizer;
   return printable(j);
 }
 
@@ -160,6 +161,7 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
     m.effort = j.at("effort").get<std::string>();
     if (m.effort != "fast" && m.effort != "best")
       return fail(ErrorCode::kBadData, "the manifest names an unknown --effort");
+    if (j.contains("quantizer")) m.quantizer = j.at("quantizer").get<std::string>();
     m.layout.columns = j.at("columns").get<std::int64_t>();
     m.layout.rows = j.at("rows").get<std::int64_t>();
     m.layout.tile_cells = j.at("tile_cells").get<int>();
@@ -205,6 +207,7 @@ std::string Manifest::difference(const Manifest& other) const {
   const bool same_heights = samples_digest == other.samples_digest;
   for (const std::string& d :
        {differ("--method", method, other.method), differ("--effort", effort, other.effort),
+        differ("--quantizer", quantizer, other.quantizer),
         differ("--nodata", std::string(nodata_name(nodata)), std::string(nodata_name(other.nodata))),
         differ("--tile", a.tile_cells, b.tile_cells), differ("--normal-maps", normal_maps, other.normal_maps),
         // Says more than the size and spacing that come of it.

@@ -16,6 +16,7 @@ namespace tintree::cache {
 struct Manifest {
   std::string method = "tin";
   std::string effort = "fast";  ///< How hard the maker of the tiles tried.
+  std::string quantizer;        ///< Of method scalar, codec::quantizer_named(); empty with others.
   codec::TreeLayout layout;
   std::string crs_wkt;
   std::array<double, 6> geotransform{};

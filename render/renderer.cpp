@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "render/screen_error.h"
+
 namespace tintree::render {
 namespace {
 
@@ -77,8 +79,8 @@ double Renderer::near_m(const LodCut& cut) const {
   return std::max({0.5 * cut.nearest_m, least, 1e-3});
 }
 
-double Renderer::skirt_slope(const Camera& camera, const LodCut& cut) {
-  return std::clamp(cut.max_error_px, 1.0, kMostSkirtPx) / (camera.focal_px() * camera.vertical_gain());
+double Renderer::gap_slope(const Camera& camera, const LodCut& cut) {
+  return std::clamp(cut.max_error_px, 1.0, kMostSkirtPx) / camera.focal_px();
 }
 
 void Renderer::draw_background(const Camera& camera, const Style& style) const {
@@ -104,7 +106,9 @@ void Renderer::set_terrain_uniforms(const Camera& camera, Trees trees, const Lod
   const double level = std::cos(style.sun_elevation_rad);
   terrain_.use();
   set(*gl_, terrain_.uniform("eye_to_clip"), camera.projection(near_m(cut), zero_to_one) * camera.view_rotation());
-  set(*gl_, terrain_.uniform("skirt_slope"), skirt_slope(camera, cut));
+  set(*gl_, terrain_.uniform("gap_slope"), gap_slope(camera, cut));
+  set(*gl_, terrain_.uniform("ahead"), camera.axes().forward);
+  set(*gl_, terrain_.uniform("least_gain"), ScreenError::kLeastGain);
   set(*gl_, terrain_.uniform("eye_rise"), camera.eye.z - box.min[2]);
   set(*gl_, terrain_.uniform("relief"), std::max(box.max[2] - box.min[2], 1e-3));
   const double haze = style.fog_m > 0 ? kFog / style.fog_m : kHaze / std::max(diagonal_m(box), 1e-3);

@@ -58,9 +58,9 @@ class Renderer {
   /// The depth that draw() gives the nearest plane, metres: depth = near_m / OffscreenTarget::read_depth().
   double near_m(const LodCut& cut) const;
 
-  /// Metres of skirt a metre of distance from the eye: the larger of one pixel and the largest error drawn
-  /// (at most 16 pixels, while finer tiles are on their way), as a vertical length.
-  static double skirt_slope(const Camera& camera, const LodCut& cut);
+  /// What gaps between tiles measure at most, as metres across the view a metre of depth: the larger of one pixel and
+  /// the largest error drawn (at most 16 pixels, while finer tiles are on their way).
+  static double gap_slope(const Camera& camera, const LodCut& cut);
 
  private:
   Renderer(const GlFunctions& gl, ShaderProgram terrain, ShaderProgram sky);

@@ -5,14 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "codec/split_hierarchy.h"
 #include "simplify/surface_distance.h"
 
 namespace tintree::simplify {
 namespace {
 
-/// Points are classified by their coordinates in the window: with u the largest power of two that divides both,
-/// (x / u, y / u) both odd is the centre of a square of side 2u, one odd the middle of such a square's side. Each
-/// is the middle of the hypotenuse of two triangles, and splitting there needs the larger triangles split first.
+/// Points are classified by their coordinates in the window (codec::SplitPoint).
 class SplitSearch {
  public:
   SplitSearch(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0)
@@ -26,7 +25,7 @@ class SplitSearch {
         distance_(view, column0_, row0_),
         flags_(span_) {}
 
-  SplitFlags run() {
+  codec::SplitFlags run() {
     for (std::int64_t y = 0; y <= span_; y += square_) {
       for (std::int64_t x = 0; x <= span_; x += square_) flags_.set(x, y);
     }
@@ -72,24 +71,7 @@ class SplitSearch {
   /// Sets the flag of a point and of all whose triangles have to be split before its own exist.
   void force(std::int64_t x, std::int64_t y) {
     if (x < 0 || y < 0 || x > span_ || y > span_ || !flags_.set(x, y)) return;
-    const std::int64_t unit = (x | y) & -(x | y);
-    const bool odd_x = (x & unit) != 0;
-    const bool odd_y = (y & unit) != 0;
-    if (odd_x && odd_y) {
-      // The square's corners of mixed parity are the middles of the larger square's sides.
-      const std::int64_t side = 2 * unit;
-      const std::int64_t west = x - unit;
-      const std::int64_t north = y - unit;
-      const bool even = ((west / side + north / side) & 1) == 0;
-      force(even ? west + side : west, north);
-      force(even ? west : west + side, north + side);
-    } else if (odd_x) {
-      force(x, y - unit);
-      force(x, y + unit);
-    } else {
-      force(x - unit, y);
-      force(x + unit, y);
-    }
+    for (const codec::SplitPoint& p : codec::split_parents({x, y})) force(p.x, p.y);
   }
 
   /// Both halves of a unit cell become triangles of their own.
@@ -318,7 +300,7 @@ class SplitSearch {
   std::int64_t column0_;
   std::int64_t row0_;
   SurfaceDistance distance_;
-  SplitFlags flags_;
+  codec::SplitFlags flags_;
   double bound_m_ = 0;  // of the square that is being searched
   std::array<std::array<double, kLine>, kLine> samples_;
   std::array<std::array<double, kLine>, kLine> snapped_;
@@ -328,7 +310,7 @@ class SplitSearch {
 
 }  // namespace
 
-SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0) {
+codec::SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0) {
   return SplitSearch(view, level, column0, row0).run();
 }
 

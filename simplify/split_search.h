@@ -4,7 +4,7 @@
 
 #include "simplify/level_grid.h"
 #include "simplify/reference_surface.h"
-#include "simplify/split_flags.h"
+#include "codec/split_flags.h"
 
 namespace tintree::simplify {
 
@@ -23,6 +23,6 @@ inline constexpr std::int64_t kRingSquares = 2;
 /// square around it and so for all triangles outside it that touch it. Ends early, with some of them, once the view is
 /// interrupted. Cost: 10 ns a sample where the surface is rough at this bound, next to nothing where its residual
 /// pyramid shows that it is flat.
-SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0);
+codec::SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0);
 
 }  // namespace tintree::simplify

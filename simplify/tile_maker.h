@@ -7,6 +7,7 @@
 
 #include "codec/error.h"
 #include "codec/grid_frame.h"
+#include "codec/quantizer.h"
 #include "codec/stop_flag.h"
 #include "codec/tile_mesh.h"
 #include "simplify/collapse_spec.h"
@@ -30,9 +31,11 @@ class TileMaker {
 /// The methods that make_tile_maker() knows, the default one first.
 std::vector<std::string> method_names();
 
-/// A maker of the method ("tin"), or null for one that this version lacks. `stop` must outlive it.
+/// A maker of the method ("tin"), or null for one that this version lacks. `stop` must outlive it. Of the choices each
+/// method looks at its own: `tin` at the effort, `scalar` at the quantiser.
 std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,
                                            const codec::TreeLayout& layout, Effort effort = Effort::kFast,
-                                           const StopFlag* stop = nullptr);
+                                           const StopFlag* stop = nullptr,
+                                           codec::QuantizerKind quantizer = codec::QuantizerKind::kUniform);
 
 }  // namespace tintree::simplify

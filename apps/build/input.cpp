@@ -116,6 +116,7 @@ cache::Manifest describe_tree(const BuildOptions& options, const cache::RasterIn
   cache::Manifest manifest;
   manifest.method = options.method;
   manifest.effort = options.effort;
+  if (options.method == "scalar") manifest.quantizer = options.quantizer.value_or("uniform");
   manifest.crs_wkt = info.crs_wkt;
   manifest.geotransform = info.geotransform;
   manifest.geographic = info.geographic;

@@ -35,6 +35,8 @@ Expected<void> check(const BuildOptions& o) {
   if (o.error_m && !(std::isfinite(*o.error_m) && *o.error_m > 0)) {
     return tintree::fail(ErrorCode::kUsage, "must be a positive number of metres", "--error");
   }
+  if (o.quantizer && o.method != "scalar")
+    return tintree::fail(ErrorCode::kUsage, "is for --method scalar; leave it out with " + o.method, "--quantizer");
   if (o.threads < 0 || o.threads > 1024)
     return tintree::fail(ErrorCode::kUsage, "must lie between 0 (all cores) and 1024", "--threads");
   if (o.output.empty() && !o.plan) return tintree::fail(ErrorCode::kUsage, "is required (see --help)", "--output");
@@ -73,6 +75,8 @@ int main(int argc, char** argv) {
   app.add_option("--effort", o.effort, "fast, or best for fewer triangles and bytes in a multiple of the time")
       ->check(CLI::IsMember({"fast", "best"}))
       ->capture_default_str();
+  app.add_option("--quantizer", o.quantizer, "With --method scalar: how heights are quantised (default: uniform)")
+      ->check(CLI::IsMember({"uniform", "lloyd-max"}));
   app.add_option("--tile", o.tile_cells, "DEM cells along a leaf's side, a power of two")->capture_default_str();
   app.add_option("--ortho", o.orthos,
                  "Photos to drape over the terrain, in any format and CRS that GDAL reads; the last lies on top");

@@ -36,8 +36,6 @@ def show(run):
 
 def check_resumable(results):
     programs = {record.get("program") for record in results.records()}
-    if not programs:
-        sys.exit(f"scripts/bench: --resume {results.run}: {PATH.relative_to(ROOT)} has no such run")
     if programs != {results.common["program"]}:
         sys.exit(f"scripts/bench: --resume {results.run}: tintree-build has changed since; begin anew")
 

@@ -3,16 +3,22 @@ import json
 import sys
 import time
 
-from programs import BENCH
+from memo import read_lines
+from programs import BENCH, ROOT
 
 PATH = BENCH / "results.jsonl"
 
 
 class Results:
     def __init__(self, run=None, **common):
-        """The records of one run, named by its start; a new one by default. `common` goes into all that are added."""
+        """The records of one run, named by its start; a new one by default. Ends the program where there is no such run.
+        `common` goes into all that are added."""
         self.run = run or time.strftime("%Y-%m-%dT%H:%M:%S")
         self.common = common
+        runs = sorted({r["run"] for r in read_lines(PATH)}) if run else []
+        if run and run not in runs:
+            known = f"; there are {' '.join(runs)}" if runs else ", nor any other: scripts/bench has not been run here"
+            sys.exit(f"scripts/bench: {PATH.relative_to(ROOT)} has no run {run}{known}")
 
     def add(self, table, **figures):
         record = {"run": self.run, "table": table, **self.common, **figures}
@@ -36,15 +42,7 @@ class Results:
         return [r for r in self.records() if r["table"] == table]
 
     def records(self):
-        lines = PATH.read_text().splitlines() if PATH.exists() else []
-        return [r for r in map(_parsed, lines) if r.get("run") == self.run]
-
-
-def _parsed(line):
-    try:
-        return json.loads(line)
-    except json.JSONDecodeError:
-        return {}  # the last line of a run that was killed
+        return [r for r in read_lines(PATH) if r["run"] == self.run]
 
 
 def print_times(results, tables, slowest=8):
