@@ -29,18 +29,19 @@ class SplitSearch {
     for (std::int64_t y = 0; y <= span_; y += square_) {
       for (std::int64_t x = 0; x <= span_; x += square_) flags_.set(x, y);
     }
-    for (std::int64_t y = 0; y < span_; y += square_) {
-      for (std::int64_t x = 0; x < span_ && !view_->interrupted(); x += square_) {
-        if (!holds_cells(x, y)) continue;
-        bound_m_ = tested_bound_m(view_->surface(), rect(x, y, square_, square_), level_.bound_m);
-        search(x, y, square_);
-      }
+    const std::int64_t last = span_ - square_;
+    for (std::int64_t y = square_; y < last; y += square_) {
+      for (std::int64_t x = square_; x < last; x += square_) search_square(x, y);
     }
     for (const std::int64_t line : {ring_, ring_ + level_.cells}) {
       for (std::int64_t i = 0; i < span_; i += square_) {
         search_line(i, line, false);
         search_line(i, line, true);
       }
+    }
+    for (std::int64_t y = 0; y <= last; y += square_) {
+      const bool whole_row = y == 0 || y == last;
+      for (std::int64_t x = 0; x <= last; x += whole_row ? square_ : last) search_outer(x, y);
     }
     return std::move(flags_);
   }
@@ -105,6 +106,24 @@ class SplitSearch {
     if (patch.empty()) return kNothing;
     const double error = static_cast<double>(patch.high) - static_cast<double>(patch.low) + level_.heights.step_m / 2;
     return std::isnan(error) ? kUnknown : error;
+  }
+
+  void search_square(std::int64_t x, std::int64_t y) {
+    if (view_->interrupted() || !holds_cells(x, y)) return;
+    bound_m_ = tested_bound_m(view_->surface(), rect(x, y, square_, square_), level_.bound_m);
+    search(x, y, square_);
+  }
+
+  /// A square of the window's outermost ring. All that can come of it for triangles that touch the tile is that the
+  /// next square towards the tile is split at its centre and in the middle of its sides: forced splits reach half a
+  /// square, in steps that double.
+  void search_outer(std::int64_t x, std::int64_t y) {
+    const std::int64_t half = square_ / 2;
+    const std::int64_t cx = std::clamp(x, square_, span_ - 2 * square_) + half;
+    const std::int64_t cy = std::clamp(y, square_, span_ - 2 * square_) + half;
+    const bool split = flags_.get(cx, cy) && flags_.get(cx - half, cy) && flags_.get(cx + half, cy) &&
+                       flags_.get(cx, cy - half) && flags_.get(cx, cy + half);
+    if (!split) search_square(x, y);
   }
 
   /// Tests all triangles inside a square, small ones first.
