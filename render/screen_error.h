@@ -18,9 +18,9 @@ namespace tintree::render {
 /// below the eye a vertical error moves nothing.
 class ScreenError {
  public:
-  /// Nowhere does a vertical metre count for less than this share of a metre across the view. It bounds the vertical
-  /// error, in pixels' footprints, by its reciprocal.
-  static constexpr double kLeastGain = 0.5;
+  /// Nowhere does a vertical metre count for less than a metre across the view, so that no vertical error exceeds the
+  /// pixel error times a pixel's footprint, even where it moves nothing (docs/accuracy.md).
+  static constexpr double kLeastGain = 1;
 
   explicit ScreenError(const Camera& camera);
 

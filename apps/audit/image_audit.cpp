@@ -88,6 +88,10 @@ std::string faults_of(const ViewReport& v) {
   if (!(v.shift_max_px <= v.limit_px * (1 + 1e-6))) {
     return fmt::format("the drawn mesh is off by {:.4g} pixels where {:.4g} are allowed", v.shift_max_px, v.limit_px);
   }
+  if (!(v.distance_max_px <= v.limit_px * (1 + 1e-6))) {
+    return fmt::format("the drawn mesh is {:.4g} pixels' footprints from the surface where {:.4g} are allowed",
+                       v.distance_max_px, v.limit_px);
+  }
   if (!(v.drawn_max_px <= v.limit_px + kDriverPx)) {
     return fmt::format("a drawn point is off by {:.4g} pixels where {:.4g} are allowed", v.drawn_max_px, v.limit_px);
   }

@@ -21,9 +21,9 @@ struct Sight {
   bool visible(const render::Camera& camera) const {
     return depth_m > 0 && std::abs(u) <= camera.tan_half_x() && std::abs(v) <= camera.tan_half_y();
   }
-  /// g of render/screen_error.h.
+  /// g of render/screen_error.h, and no less than a viewer may take it for.
   double gain(const render::CameraAxes& axes) const {
-    return std::hypot(u * axes.forward.z, axes.up.z - v * axes.forward.z);
+    return std::max(render::ScreenError::kLeastGain, std::hypot(u * axes.forward.z, axes.up.z - v * axes.forward.z));
   }
 };
 
