@@ -140,7 +140,9 @@ TEST(WaveletPatch, DamagedBytesAreRefusedOrAPatch) {
     bytes.resize(bytes.size() - random() % 3);
     std::span<const std::byte> rest = bytes;
     const auto decoded = decode_patch(rest, nothing);
-    if (decoded) EXPECT_EQ(decoded->heights.size(), target.heights.size());
+    if (decoded) {
+      EXPECT_EQ(decoded->heights.size(), target.heights.size());
+    }
   }
 }
 
