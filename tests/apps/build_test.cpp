@@ -66,7 +66,8 @@ TEST_F(BuildTest, GivesTheSameTreeWithOneThreadAndTwo) {
 
 TEST_F(BuildTest, MakesWaveletTilesByEitherCriterion) {
   const std::string max = digest({"--method", "wavelet", "--criterion", "max", "--tile", "16", "--threads", "1"});
-  EXPECT_EQ(digest({"--method", "wavelet", "--criterion", "max", "--tile", "16", "--threads", "4", "--overwrite"}), max);
+  EXPECT_EQ(digest({"--method", "wavelet", "--criterion", "max", "--tile", "16", "--threads", "4", "--overwrite"}),
+            max);
   digest({"--method", "wavelet", "--tile", "16", "--overwrite"});
   EXPECT_EQ(cache::TileStore::open(tree_)->manifest().criterion, "rms");
 }

@@ -44,7 +44,7 @@ TEST_P(WaveletTreeTest, KeepsItsPromises) {
   test::write_terrain(dir.file("dem.tif"), shape);
   const Terrain terrain = test::read_terrain(dir.file("dem.tif"));
   if (!terrain.surface->has_surface()) return;
-  for (const double share : {1e-4, 0.05}) {
+  for (const double share : {1e-3, 0.05}) {
     SCOPED_TRACE(share);
     const auto tree =
         build(terrain, shape.columns > 100 ? 32 : 16, share * relief_m(terrain.grid), dir.file("t.tintree"));
