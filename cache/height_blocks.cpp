@@ -136,7 +136,7 @@ std::uint64_t HeightBlocks::cached_bytes() const {
 Expected<void> HeightBlocks::stream(
     const std::function<bool(std::int64_t, std::int64_t, const std::shared_ptr<const HeightBlock>&)>& visit) {
   // A band of at most this many blocks at once keeps the memory independent of the raster's width.
-  constexpr std::int64_t kBandBlocks = 64;
+  constexpr std::int64_t kBandBlocks = 32;
   std::vector<double> band;
   for (std::int64_t by = 0; by < blocks_y_; ++by) {
     for (std::int64_t first = 0; first < blocks_x_; first += kBandBlocks) {

@@ -149,6 +149,7 @@ std::string Manifest::to_json() const {
     j["orthos"] = files_to_json(orthos);
   }
   if (normal_maps) j["normal_maps"] = true;
+  if (!quantizer.empty()) j["quantizer"] = quantizer;
   if (!criterion.empty()) j["criterion"] = criterion;
   return printable(j);
 }
@@ -161,6 +162,7 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
     m.effort = j.at("effort").get<std::string>();
     if (m.effort != "fast" && m.effort != "best")
       return fail(ErrorCode::kBadData, "the manifest names an unknown --effort");
+    if (j.contains("quantizer")) m.quantizer = j.at("quantizer").get<std::string>();
     if (j.contains("criterion")) {
       m.criterion = j.at("criterion").get<std::string>();
       if (m.criterion != "max" && m.criterion != "rms")
@@ -211,6 +213,7 @@ std::string Manifest::difference(const Manifest& other) const {
   const bool same_heights = samples_digest == other.samples_digest;
   for (const std::string& d :
        {differ("--method", method, other.method), differ("--effort", effort, other.effort),
+        differ("--quantizer", quantizer, other.quantizer),
         differ("--criterion", criterion, other.criterion),
         differ("--nodata", std::string(nodata_name(nodata)), std::string(nodata_name(other.nodata))),
         differ("--tile", a.tile_cells, b.tile_cells), differ("--normal-maps", normal_maps, other.normal_maps),

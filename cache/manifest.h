@@ -16,8 +16,8 @@ namespace tintree::cache {
 struct Manifest {
   std::string method = "tin";
   std::string effort = "fast";  ///< How hard the maker of the tiles tried.
-  /// What the patches of method `wavelet` keep to, "max" or "rms"; empty for the others.
-  std::string criterion;
+  std::string quantizer;        ///< Of method scalar, codec::quantizer_named(); empty with others.
+  std::string criterion;        ///< Of method wavelet, codec::criterion_named(); empty with others.
   codec::TreeLayout layout;
   std::string crs_wkt;
   std::array<double, 6> geotransform{};

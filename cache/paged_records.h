@@ -30,7 +30,10 @@ class PagedRecords {
   /// Stays valid, and what it shows the same.
   const std::byte* at(std::int64_t index) const {
     const std::int64_t place = index * record_bytes_;
-    if (file_) touch(place >> kChunkBits);
+    if (file_) {
+      touch(place >> kChunkBits);
+      touch((place + record_bytes_ - 1) >> kChunkBits);
+    }
     return bytes_ + place;
   }
 

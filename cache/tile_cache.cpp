@@ -170,7 +170,8 @@ void TileCache::work() {
       finish(in_work_, std::move(loaded->tile));
     } else {
       lost_.insert(job.ref);
-      errors_.push_back(std::move(loaded.error()));
+      ++stats_.lost;
+      if (told_.insert(loaded.error().text()).second) errors_.push_back(std::move(loaded.error()));
     }
   }
 }

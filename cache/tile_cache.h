@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <string>
 #include <thread>
 #include <unordered_map>
 #include <unordered_set>
@@ -55,6 +56,7 @@ class TileCache {
     std::uint64_t ahead = 0;       ///< Those of them that were loaded ahead of need.
     std::uint64_t evicted = 0;     ///< Tiles dropped so far.
     std::uint64_t bytes_read = 0;  ///< Payload bytes read so far.
+    std::uint64_t lost = 0;        ///< Tiles that could not be loaded.
   };
 
   TileCache(std::vector<Source> trees, const Options& options);
@@ -80,7 +82,8 @@ class TileCache {
 
   /// Whether the tile could not be loaded, and never will be.
   bool lost(const TileRef& tile) const;
-  /// The failures since the last call: each tile's once, with the file and the tile named.
+  /// The failures since the last call, with the file and the tile named: each tile's once, and what befell a file as a
+  /// whole (it was cut short, the disk is gone) once for all of its tiles.
   std::vector<Error> take_errors();
   Stats stats() const;
 
@@ -120,6 +123,7 @@ class TileCache {
   std::unordered_map<TileRef, Entries::iterator, TileRefHash> by_ref_;
   std::unordered_set<TileRef, TileRefHash> lost_;
   std::vector<Error> errors_;
+  std::unordered_set<std::string> told_;  ///< All errors so far.
   Stats stats_;
   std::uint64_t round_ = 2;  ///< So that what no round has named is older than two rounds.
   bool busy_ = false;

@@ -5,6 +5,9 @@
 #include <utility>
 
 #include "codec/draco_mesh.h"
+#include "codec/nested_mesh.h"
+#include "codec/scalar_codec.h"
+#include "codec/strip_mesh.h"
 #include "codec/wavelet_tiles.h"
 
 namespace tintree::codec {
@@ -28,9 +31,13 @@ const MeshCodec* find_codec(std::string_view method) {
     const MeshCodec* codec;
   };
   static const DracoMesh tin;
+  static const NestedMesh nested;
+  static const StripMesh strip;
+  static const ScalarCodec scalar;
   static const WaveletMesh wavelet;
   /// One row a method, as in simplify/tile_maker.cpp.
-  static const std::array methods{Method{"tin", &tin}, Method{"wavelet", &wavelet}};
+  static const std::array methods{Method{"tin", &tin}, Method{"strip", &strip}, Method{"nested", &nested},
+                                  Method{"wavelet", &wavelet}, Method{"scalar", &scalar}};
   const auto* found = std::ranges::find(methods, method, &Method::name);
   return found == methods.end() ? nullptr : found->codec;
 }

@@ -21,6 +21,15 @@ struct GridVertex {
 /// Three vertex indices, counter-clockwise seen from above (x east, y north).
 using Triangle = std::array<std::uint32_t, 3>;
 
+/// A place where a nested mesh is split although no surface is there, and the level that does so first.
+struct NestedGap {
+  std::int32_t x = 0;
+  std::int32_t y = 0;
+  std::uint8_t level = 0;
+
+  friend bool operator==(const NestedGap&, const NestedGap&) = default;
+};
+
 /// One tile's triangulated irregular network on its local integer grid: exactly what is stored, and
 /// all that a codec has to carry. GridFrame turns it into metres.
 struct TileMesh {
@@ -28,6 +37,10 @@ struct TileMesh {
   std::int64_t z_offset = 0;  ///< Height origin, in the level's height steps.
   std::vector<GridVertex> vertices;
   std::vector<Triangle> triangles;
+  /// Method `nested` alone (codec/nested_tile.h): which of its levels, 0 the coarsest, first has each vertex;
+  /// for those at the end that repeat others (split_fans()), nothing.
+  std::vector<std::uint8_t> nested_levels;
+  std::vector<NestedGap> nested_gaps;
 };
 
 /// Limits of the format; readers refuse what exceeds them before they allocate for it.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "codec/error.h"
@@ -40,6 +41,11 @@ enum class PatchCriterion : std::uint8_t {
   kMax,  ///< No sample is further off than the bound,
   kRms,  ///< or the root of their mean square is not.
 };
+
+/// By its name on the command line and in the manifest, "max" or "rms".
+inline PatchCriterion criterion_named(std::string_view name) {
+  return name == "max" ? PatchCriterion::kMax : PatchCriterion::kRms;
+}
 
 struct PatchSpec {
   PatchCriterion criterion = PatchCriterion::kMax;

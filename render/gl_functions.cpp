@@ -52,6 +52,10 @@ Expected<GlFunctions> load_gl(const GetGlFunction& get) {
   // Mesa's software filters over an ellipse as large as the texture has it: where ground is seen edge-on, for minutes.
   gl.anisotropic = gl.anisotropic && gl.renderer.find("llvmpipe") == std::string::npos;
   if (10 * major + minor >= 45) gl.ClipControl = reinterpret_cast<PFNGLCLIPCONTROLPROC>(get("glClipControl"));
+  if (10 * major + minor >= 43) {
+    gl.DispatchCompute = reinterpret_cast<PFNGLDISPATCHCOMPUTEPROC>(get("glDispatchCompute"));
+    gl.MemoryBarrier = reinterpret_cast<PFNGLMEMORYBARRIERPROC>(get("glMemoryBarrier"));
+  }
   return gl;
 }
 

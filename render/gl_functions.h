@@ -17,7 +17,11 @@ using GetGlFunction = std::function<void*(const char* name)>;
 #define TINTREE_GL_FUNCTIONS(X)                                              \
   X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                   \
   X(PFNGLATTACHSHADERPROC, AttachShader)                                     \
+  X(PFNGLBEGINQUERYPROC, BeginQuery)                                         \
+  X(PFNGLBEGINTRANSFORMFEEDBACKPROC, BeginTransformFeedback)                 \
   X(PFNGLBINDBUFFERPROC, BindBuffer)                                         \
+  X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                 \
+  X(PFNGLBINDBUFFERRANGEPROC, BindBufferRange)                               \
   X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                               \
   X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                             \
   X(PFNGLBINDTEXTUREPROC, BindTexture)                                       \
@@ -38,6 +42,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                   \
   X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                         \
   X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                   \
+  X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                   \
   X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                       \
   X(PFNGLDELETESHADERPROC, DeleteShader)                                     \
   X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                 \
@@ -49,17 +54,23 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLDRAWELEMENTSBASEVERTEXPROC, DrawElementsBaseVertex)                 \
   X(PFNGLENABLEPROC, Enable)                                                 \
   X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)               \
+  X(PFNGLENDQUERYPROC, EndQuery)                                             \
+  X(PFNGLENDTRANSFORMFEEDBACKPROC, EndTransformFeedback)                     \
   X(PFNGLFINISHPROC, Finish)                                                 \
   X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)               \
+  X(PFNGLFRAMEBUFFERTEXTURE2DPROC, FramebufferTexture2D)                     \
   X(PFNGLGENBUFFERSPROC, GenBuffers)                                         \
   X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                               \
+  X(PFNGLGENQUERIESPROC, GenQueries)                                         \
   X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                             \
   X(PFNGLGENTEXTURESPROC, GenTextures)                                       \
   X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                               \
+  X(PFNGLGETBUFFERSUBDATAPROC, GetBufferSubData)                             \
   X(PFNGLGETERRORPROC, GetError)                                             \
   X(PFNGLGETINTEGERVPROC, GetIntegerv)                                       \
   X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                           \
   X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                     \
+  X(PFNGLGETQUERYOBJECTUIVPROC, GetQueryObjectuiv)                           \
   X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                             \
   X(PFNGLGETSHADERIVPROC, GetShaderiv)                                       \
   X(PFNGLGETSTRINGPROC, GetString)                                           \
@@ -71,12 +82,15 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLREADPIXELSPROC, ReadPixels)                                         \
   X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample) \
   X(PFNGLSHADERSOURCEPROC, ShaderSource)                                     \
+  X(PFNGLTEXBUFFERPROC, TexBuffer)                                           \
   X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                         \
   X(PFNGLTEXPARAMETERFPROC, TexParameterf)                                   \
   X(PFNGLTEXPARAMETERIPROC, TexParameteri)                                   \
   X(PFNGLTEXSUBIMAGE2DPROC, TexSubImage2D)                                   \
+  X(PFNGLTRANSFORMFEEDBACKVARYINGSPROC, TransformFeedbackVaryings)           \
   X(PFNGLUNIFORM1FPROC, Uniform1f)                                           \
   X(PFNGLUNIFORM1IPROC, Uniform1i)                                           \
+  X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                         \
   X(PFNGLUNIFORM3FPROC, Uniform3f)                                           \
   X(PFNGLUNIFORM4FPROC, Uniform4f)                                           \
   X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                             \
@@ -93,6 +107,9 @@ struct GlFunctions {
 
   /// Null below OpenGL 4.5 without GL_ARB_clip_control; the renderer then does with less depth precision.
   PFNGLCLIPCONTROLPROC ClipControl = nullptr;
+  /// Null below OpenGL 4.3.
+  PFNGLDISPATCHCOMPUTEPROC DispatchCompute = nullptr;
+  PFNGLMEMORYBARRIERPROC MemoryBarrier = nullptr;
   bool texture_blocks = false;  ///< BC1 in sRGB can be drawn (EXT_texture_compression_s3tc, EXT_texture_sRGB).
   bool anisotropic = false;     ///< EXT_texture_filter_anisotropic, where a card does it.
   std::string renderer;         ///< The driver's own name and version.

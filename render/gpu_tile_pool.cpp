@@ -6,6 +6,7 @@ namespace tintree::render {
 namespace {
 
 using cache::DrawVertex;
+using cache::MorphVertex;
 
 /// Ranges begin at multiples of a vertex, so that both vertices and indices (4 divides 12) lie where GL wants them.
 constexpr std::size_t kUnit = sizeof(DrawVertex);
@@ -24,12 +25,17 @@ void describe_vertex(const GlFunctions& gl) {
 
 /// The vertices between a tile's surface and its parent's.
 void describe_morph_vertex(const GlFunctions& gl) {
-  using cache::MorphVertex;
   constexpr GLsizei kStride = sizeof(MorphVertex);
   gl.VertexAttribPointer(2, 4, GL_FLOAT, GL_FALSE, kStride, offset(offsetof(MorphVertex, x)));
   gl.VertexAttribPointer(3, 4, GL_SHORT, GL_TRUE, kStride, offset(offsetof(MorphVertex, normal_x)));
   gl.VertexAttribIPointer(4, 1, GL_UNSIGNED_SHORT, kStride, offset(offsetof(MorphVertex, skirt)));
   for (GLuint location = 2; location < 5; ++location) gl.EnableVertexAttribArray(location);
+}
+
+void free_page(const GlFunctions& gl, GLuint vertex_array, GLuint morph_vertex_array, GLuint buffer) {
+  gl.DeleteVertexArrays(1, &vertex_array);
+  gl.DeleteVertexArrays(1, &morph_vertex_array);
+  gl.DeleteBuffers(1, &buffer);
 }
 
 }  // namespace
@@ -38,67 +44,59 @@ GpuTilePool::GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes, std::s
     : gl_(&gl), budget_bytes_(budget_bytes), picture_budget_bytes_(picture_budget_bytes), textures_(gl) {}
 
 GpuTilePool::~GpuTilePool() {
-  for (const Entry& e : entries_) free_morph(e.tile.morph);
-  for (const Page& page : pages_) {
-    gl_->DeleteVertexArrays(1, &page.vertex_array);
-    gl_->DeleteBuffers(1, &page.buffer);
-  }
+  for (const Page& page : pages_) free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
 }
 
 bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& tile) {
   if (use(ref) != nullptr) return true;
   const std::size_t bytes = tile.vertex_bytes() + tile.index_bytes();
+  // Vertices begin at multiples of their size, counted from the buffer's begin; where the range begins is not known
+  // yet.
+  const std::size_t morph_bytes = tile.morph ? tile.morph->bytes() + sizeof(MorphVertex) : 0;
   Place at;
   if (!make_room_for_pictures(tile.pictures.bytes())) return false;
-  if (!place((bytes + kUnit - 1) / kUnit, at)) return false;
+  if (!place((bytes + morph_bytes + kUnit - 1) / kUnit, at)) return false;
   const Page& page = pages_[at.page];
-  const bool wide = tile.indices.empty();
-  const void* indices = wide ? static_cast<const void*>(tile.wide_indices.data()) : tile.indices.data();
+  const std::size_t begin = at.begin * kUnit;
+  gl_->BindBuffer(GL_ARRAY_BUFFER, page.buffer);
+  const std::span<const DrawVertex> vertices(tile.vertices);
   GpuTile out;
-  out.vertex_array = page.vertex_array;
-  out.base_vertex = static_cast<GLint>(at.begin);
-  out.index_offset = at.begin * kUnit + tile.vertex_bytes();
-  out.index_type = wide ? GL_UNSIGNED_INT : GL_UNSIGNED_SHORT;
-  out.index_count = static_cast<GLsizei>(tile.index_count());
-  out.surface_triangles = tile.surface_triangles;
+  out.mesh = tile.indices.empty()
+                 ? copy(page.vertex_array, begin, vertices, std::span<const std::uint32_t>(tile.wide_indices))
+                 : copy(page.vertex_array, begin, vertices, std::span<const std::uint16_t>(tile.indices));
+  out.mesh.surface_triangles = tile.surface_triangles;
+  if (tile.morph) {
+    const std::size_t morph_begin =
+        (begin + bytes + sizeof(MorphVertex) - 1) / sizeof(MorphVertex) * sizeof(MorphVertex);
+    out.morph = copy(page.morph_vertex_array, morph_begin, std::span<const MorphVertex>(tile.morph->vertices),
+                     std::span<const std::uint32_t>(tile.morph->indices));
+    out.morph.surface_triangles = tile.morph->surface_triangles;
+  }
   out.frame = tile.frame;
   out.occluder = tile.occluder;
-  if (tile.morph) upload_morph(*tile.morph, out.morph);
   out.pictures = textures_.upload(tile.pictures);
   picture_bytes_ += out.pictures.bytes;
   out.bytes = at.length * kUnit + out.pictures.bytes;
-  gl_->BindBuffer(GL_ARRAY_BUFFER, page.buffer);
-  gl_->BufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(at.begin * kUnit),
-                     static_cast<GLsizeiptr>(tile.vertex_bytes()), tile.vertices.data());
-  gl_->BufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(out.index_offset),
-                     static_cast<GLsizeiptr>(tile.index_bytes()), indices);
   bytes_ += out.bytes;
   entries_.push_front({ref, out, at, frame_});
   tiles_[ref] = entries_.begin();
   return true;
 }
 
-void GpuTilePool::upload_morph(const cache::MorphMesh& mesh, GpuMorph& out) {
-  const auto bytes = [](const auto& list) { return static_cast<GLsizeiptr>(list.size() * sizeof list[0]); };
-  gl_->GenVertexArrays(1, &out.vertex_array);
-  gl_->BindVertexArray(out.vertex_array);
-  gl_->GenBuffers(1, &out.vertices);
-  gl_->BindBuffer(GL_ARRAY_BUFFER, out.vertices);
-  gl_->BufferData(GL_ARRAY_BUFFER, bytes(mesh.vertices), mesh.vertices.data(), GL_STATIC_DRAW);
-  gl_->GenBuffers(1, &out.indices);
-  gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, out.indices);
-  gl_->BufferData(GL_ELEMENT_ARRAY_BUFFER, bytes(mesh.indices), mesh.indices.data(), GL_STATIC_DRAW);
-  describe_morph_vertex(*gl_);
-  gl_->BindVertexArray(0);
-  out.index_count = static_cast<GLsizei>(mesh.indices.size());
-  out.surface_triangles = mesh.surface_triangles;
-}
-
-void GpuTilePool::free_morph(const GpuMorph& morph) {
-  if (morph.vertex_array == 0) return;
-  gl_->DeleteVertexArrays(1, &morph.vertex_array);
-  gl_->DeleteBuffers(1, &morph.vertices);
-  gl_->DeleteBuffers(1, &morph.indices);
+template <typename Vertex, typename Index>
+GpuMesh GpuTilePool::copy(GLuint vertex_array, std::size_t at, std::span<const Vertex> vertices,
+                          std::span<const Index> indices) {
+  GpuMesh out;
+  out.vertex_array = vertex_array;
+  out.base_vertex = static_cast<GLint>(at / sizeof(Vertex));
+  out.index_offset = at + vertices.size_bytes();
+  out.index_type = sizeof(Index) == 2 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT;
+  out.index_count = static_cast<GLsizei>(indices.size());
+  gl_->BufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(at), static_cast<GLsizeiptr>(vertices.size_bytes()),
+                     vertices.data());
+  gl_->BufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(out.index_offset),
+                     static_cast<GLsizeiptr>(indices.size_bytes()), indices.data());
+  return out;
 }
 
 const GpuTile* GpuTilePool::use(const cache::TileRef& tile) {
@@ -133,27 +131,33 @@ bool GpuTilePool::add_page(std::size_t length) {
   const std::size_t usual = std::clamp(budget_bytes_ / kPages, std::size_t{1} << 20, kLargestPage) / kUnit;
   const std::size_t units = std::min(std::max(usual, length), left / kUnit);
   if (units < length) return false;
-  Page page{0, 0, RangeAllocator(units)};
+  Page page{0, 0, 0, RangeAllocator(units)};
   while (gl_->GetError() != GL_NO_ERROR) {
   }
-  gl_->GenVertexArrays(1, &page.vertex_array);
-  gl_->BindVertexArray(page.vertex_array);
   gl_->GenBuffers(1, &page.buffer);
   gl_->BindBuffer(GL_ARRAY_BUFFER, page.buffer);
-  gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, page.buffer);
   gl_->BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(units * kUnit), nullptr, GL_STATIC_DRAW);
-  describe_vertex(*gl_);
-  gl_->BindVertexArray(0);
+  page.vertex_array = make_vertex_array(page.buffer, describe_vertex);
+  page.morph_vertex_array = make_vertex_array(page.buffer, describe_morph_vertex);
   if (gl_->GetError() != GL_NO_ERROR) {
     // The card has less than the budget: what there is has to do.
-    gl_->DeleteVertexArrays(1, &page.vertex_array);
-    gl_->DeleteBuffers(1, &page.buffer);
+    free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
     budget_bytes_ = reserved_bytes_;
     return false;
   }
   pages_.push_back(std::move(page));
   reserved_bytes_ += units * kUnit;
   return true;
+}
+
+GLuint GpuTilePool::make_vertex_array(GLuint buffer, void (*describe)(const GlFunctions&)) {
+  GLuint out = 0;
+  gl_->GenVertexArrays(1, &out);
+  gl_->BindVertexArray(out);
+  gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffer);
+  describe(*gl_);
+  gl_->BindVertexArray(0);
+  return out;
 }
 
 bool GpuTilePool::make_room_for_pictures(std::size_t bytes) {
@@ -166,7 +170,6 @@ bool GpuTilePool::make_room_for_pictures(std::size_t bytes) {
 
 void GpuTilePool::evict_oldest() {
   const Entry& oldest = entries_.back();
-  free_morph(oldest.tile.morph);
   pages_[oldest.place.page].free.give(oldest.place.begin, oldest.place.length);
   bytes_ -= oldest.tile.bytes;
   picture_bytes_ -= oldest.tile.pictures.bytes;

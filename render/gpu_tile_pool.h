@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <list>
 #include <memory>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -16,33 +17,29 @@
 
 namespace tintree::render {
 
-/// The overlay of a tile with its parent in the graphics card's memory.
-struct GpuMorph {
-  GLuint vertex_array = 0;  ///< 0 for none.
-  GLuint vertices = 0;
-  GLuint indices = 0;
-  GLsizei index_count = 0;
-  std::uint32_t surface_triangles = 0;
-};
-
-/// A tile in the graphics card's memory: a range of one of the pool's buffers.
-struct GpuTile {
-  GLuint vertex_array = 0;  ///< Of the whole buffer, shared with other tiles.
+/// A mesh in a range of one of the pool's buffers.
+struct GpuMesh {
+  GLuint vertex_array = 0;  ///< Of the whole buffer, shared with other tiles; 0 for no mesh.
   GLint base_vertex = 0;
   std::size_t index_offset = 0;         ///< Bytes into the buffer.
   GLenum index_type = GL_UNSIGNED_INT;  ///< Or GL_UNSIGNED_SHORT.
   GLsizei index_count = 0;              ///< Surface and skirt.
   std::uint32_t surface_triangles = 0;
-  GpuMorph morph;
+};
+
+/// A tile in the graphics card's memory.
+struct GpuTile {
+  GpuMesh mesh;
+  GpuMesh morph;  ///< The overlay with its parent.
   codec::GridFrame frame;
   std::shared_ptr<const cache::Occluder> occluder;
   GpuPictures pictures;
   std::size_t bytes = 0;
 };
 
-/// The tiles uploaded so far, in ranges of a few large buffers: a new tile takes the place of the least recently used,
-/// and once the budget has been filled nothing more is allocated. Lives and dies while its context is current; not
-/// thread-safe.
+/// The tiles uploaded so far, overlays too, in ranges of a few large buffers: a new tile takes the place of the least
+/// recently used, and once the budget has been filled nothing more is allocated. Lives and dies while its context is
+/// current; not thread-safe.
 class GpuTilePool {
  public:
   /// Graphics memory for tiles' meshes and for their pictures, never exceeded.
@@ -68,7 +65,8 @@ class GpuTilePool {
 
  private:
   struct Page {
-    GLuint vertex_array = 0;
+    GLuint vertex_array = 0;        ///< Of cache::DrawVertex,
+    GLuint morph_vertex_array = 0;  ///< and of cache::MorphVertex.
     GLuint buffer = 0;
     RangeAllocator free;  ///< In units of one vertex.
   };
@@ -85,8 +83,11 @@ class GpuTilePool {
   };
   using Entries = std::list<Entry>;
 
-  void upload_morph(const cache::MorphMesh& mesh, GpuMorph& out);
-  void free_morph(const GpuMorph& morph);
+  /// Copies arrays into a page's buffer, the vertices to `at` bytes into it and the indices behind them.
+  template <typename Vertex, typename Index>
+  GpuMesh copy(GLuint vertex_array, std::size_t at, std::span<const Vertex> vertices, std::span<const Index> indices);
+  /// Makes a vertex array over the buffer that is bound.
+  GLuint make_vertex_array(GLuint buffer, void (*describe)(const GlFunctions&));
   /// Finds room, evicting what this frame does not use.
   bool place(std::size_t length, Place& out);
   bool find_gap(std::size_t length, Place& out);

@@ -11,13 +11,11 @@
 
 #include "render/frustum.h"
 #include "render/morph.h"
-#include "render/occlusion.h"
+#include "render/screen_error.h"
+#include "render/tree_horizon.h"
 
 namespace tintree::render {
 namespace {
-
-/// Levels below a node whose boxes are asked whether they hide with it.
-constexpr int kLookBelow = 2;
 
 class Walk {
  public:
@@ -26,6 +24,7 @@ class Walk {
       : trees_(trees),
         camera_(camera),
         frustum_(camera),
+        screen_error_(camera),
         options_(options),
         states_(states),
         occluder_of_(occluder_of) {}
@@ -34,7 +33,7 @@ class Walk {
     for (const std::uint32_t tree : nearest_first()) {
       tree_ = tree;
       bounds_ = trees_[tree];
-      begin_horizon();
+      horizon_ = occluder_of_ ? TreeHorizon(*bounds_, camera_, frustum_, options_.morph) : TreeHorizon();
       visit(0);
     }
     order_requests();
@@ -51,85 +50,32 @@ class Walk {
     double texel_px = 0;
   };
 
-  void begin_horizon() {
-    horizon_ = occluder_of_ ? Horizon(camera_) : Horizon();
-    const auto [column, row] = bounds_->layout().grid(camera_.eye.x, camera_.eye.y);
-    eye_column_ = column;
-    eye_row_ = row;
-    if (!holds_eye(bounds_->layout().cells({}))) horizon_.place_eye(false);
-  }
-
-  /// The most that a tile's surface and its parent's can be apart.
-  double farthest_morph_m(const cache::TileNode& node) const {
-    if (!options_.morph || node.id.level == 0) return 0;
-    return static_cast<double>(node.lod_error_m) + static_cast<double>(parent_of(node).lod_error_m);
-  }
-  const cache::TileNode& parent_of(const cache::TileNode& node) const {
-    return bounds_->nodes()[static_cast<std::size_t>(bounds_->find(node.id.parent()))];
-  }
-
-  /// The box of all that may be drawn of a node.
-  cache::Box box_of(const cache::TileNode& node) const {
-    cache::Box box = bounds_->box(node);
-    // Tiles below it move less.
-    const double room_m = farthest_morph_m(node);
-    box.min[2] -= room_m;
-    box.max[2] += room_m;
-    return box;
-  }
-
   Seen look(const cache::TileNode& node) {
-    const cache::Box box = box_of(node);
-    if (frustum_.outside(box)) {
-      ++cut_.culled;
-      if (holds_eye(node)) horizon_.place_eye(camera_.eye.z > box.max[2]);
-      return {true, 0, 0, 0, 0};
-    }
-    if (horizon_.usable() && horizon_.placed() && hidden(node, box, 0, kLookBelow)) {
+    if (frustum_.outside(options_.morph ? morph_box(*bounds_, node) : bounds_->box(node))) return pass_unseen(node);
+    if (horizon_.hides(node)) {
       ++cut_.occluded;
       return {true, 0, 0, 0, 0};
     }
     // Levels are chosen by the boxes as they are, so that they are the same with morphs.
     const cache::Box still = bounds_->box(node);
+    const auto error_px = screen_error_.bound_px(still, static_cast<double>(node.lod_error_m));
+    if (!error_px && !options_.morph) return pass_unseen(node);
     const double nearest_m = frustum_.nearest_depth_m(still);
-    return {false, nearest_m, frustum_.farthest_depth_m(still),
-            projected_error_px(static_cast<double>(node.lod_error_m), nearest_m, camera_),
+    return {false, nearest_m, frustum_.farthest_depth_m(still), error_px.value_or(0),
             nearest_m > 0 ? bounds_->texel_m(node.id.level) * camera_.focal_px() / nearest_m
                           : std::numeric_limits<double>::infinity()};
+  }
+
+  Seen pass_unseen(const cache::TileNode& node) {
+    ++cut_.culled;
+    horizon_.pass_unseen(node);
+    return {true, 0, 0, 0, 0};
   }
 
   bool is_fine_enough(const cache::TileNode& node, const Seen& seen) const {
     const bool sharp = bounds_->texel_m(node.id.level) == 0 || seen.texel_px <= options_.texel_px;
     return seen.error_px <= options_.pixel_error && sharp;
   }
-
-  /// A node is hidden with its box, or with the boxes of those below it, which fit closer: its tile, and any
-  /// between, leaves them by no more than its error and theirs.
-  bool hidden(const cache::TileNode& node, const cache::Box& box, double error_m, int look_below) const {
-    if (horizon_.hides(box)) return true;
-    if (look_below == 0 || has_hole(node) || node.child_mask == 0) return false;
-    const auto children = bounds_->nodes().subspan(node.first_child, std::popcount(unsigned{node.child_mask}));
-    error_m = std::max(error_m, static_cast<double>(node.lod_error_m));
-    return std::ranges::all_of(children, [&](const cache::TileNode& child) {
-      cache::Box inner = box_of(child);
-      inner.max[2] = std::min(inner.max[2] + error_m + static_cast<double>(child.lod_error_m), box.max[2]);
-      return hidden(child, inner, error_m, look_below - 1);
-    });
-  }
-
-  /// Whether a quadrant of the raster has no tile below this node.
-  bool has_hole(const cache::TileNode& node) const {
-    return std::ranges::any_of(std::array{0, 1, 2, 3}, [&](int q) { return is_hole(node, q); });
-  }
-  bool is_hole(const cache::TileNode& node, int quadrant) const {
-    return (node.child_mask >> quadrant & 1) == 0 && !bounds_->layout().cells(node.id.child(quadrant)).empty();
-  }
-
-  bool holds_eye(const codec::CellRect& c) const {
-    return eye_column_ >= static_cast<double>(c.column0) && eye_column_ <= static_cast<double>(c.column1) &&
-           eye_row_ >= static_cast<double>(c.row0) && eye_row_ <= static_cast<double>(c.row1);
-  }
-  bool holds_eye(const cache::TileNode& node) const { return holds_eye(bounds_->layout().cells(node.id)); }
 
   struct Asked {
     cache::TileRef tile;
@@ -190,7 +136,7 @@ class Walk {
     const std::size_t drawn = cut_.draws.size();
     const std::uint32_t leaf_limited = cut_.leaf_limited;
     const std::uint32_t occluded = cut_.occluded;
-    const Horizon horizon = horizon_;
+    const TreeHorizon horizon = horizon_;
     bool covered = true;
     const unsigned nearest = nearest_quadrant(node.id);
     // Of four quadrants round a point the eye's own is in front, the opposite one at the back.
@@ -198,8 +144,7 @@ class Walk {
       const unsigned quadrant = nearest ^ i;
       const unsigned mask = node.child_mask;
       if ((mask >> quadrant & 1U) == 0) {
-        if (horizon_.usable() && is_hole(node, static_cast<int>(quadrant)))
-          pass_hole(node.id.child(static_cast<int>(quadrant)));
+        horizon_.pass_missing(node, static_cast<int>(quadrant));
         continue;
       }
       const auto before = static_cast<std::uint32_t>(std::popcount(mask & ((1U << quadrant) - 1)));
@@ -236,9 +181,7 @@ class Walk {
 
   TileState state(std::uint32_t index) {
     const TileState here = states_(tree_, index);
-    // Where it leaves a hole for good, what comes behind hides nothing; where an ancestor stands in, this is taken
-    // back.
-    if (here == TileState::kLost) horizon_.place_eye(false);
+    if (here == TileState::kLost) horizon_.pass_lost();
     return here;
   }
 
@@ -270,36 +213,13 @@ class Walk {
     DrawTile out{tree_, index, seen.error_px, seen.nearest_m, seen.farthest_m, stands_in};
     const cache::TileNode& node = bounds_->nodes()[index];
     if (options_.morph && node.id.level > 0) {
-      out.morph = morph_weight(*bounds_, index, camera_, frustum_, options_.pixel_error);
-      const double error_m =
-          std::lerp(static_cast<double>(node.lod_error_m), static_cast<double>(parent_of(node).lod_error_m), out.morph);
-      if (out.morph > 0) out.error_px = projected_error_px(error_m, seen.nearest_m, camera_);
+      out.morph = morph_weight(*bounds_, index, screen_error_, options_.pixel_error);
+      const double error_m = std::lerp(static_cast<double>(node.lod_error_m),
+                                       static_cast<double>(parent_of(*bounds_, node).lod_error_m), out.morph);
+      if (out.morph > 0) out.error_px = screen_error_.bound_px(morph_box(*bounds_, node), error_m).value_or(0);
     }
     cut_.draws.push_back(out);
-    if (horizon_.usable()) hide_behind(index, out.morph);
-  }
-
-  void hide_behind(std::uint32_t index, double morph) {
-    const double moved_m = morph * farthest_morph_m(bounds_->nodes()[index]);
-    const codec::CellRect cells = bounds_->layout().cells(bounds_->nodes()[index].id);
-    const cache::Occluder* occluder = occluder_of_(tree_, index);
-    if (!horizon_.placed() && holds_eye(cells))
-      horizon_.place_eye(occluder != nullptr && camera_.eye.z > occluder->top_m(eye_column_, eye_row_) + moved_m);
-    if (occluder != nullptr) {
-      horizon_.add(*occluder, bounds_->layout(), moved_m);
-    } else {
-      horizon_.open(cells, bounds_->layout());
-    }
-  }
-
-  /// No tile covers these cells of the raster: views through them see what ground behind would hide.
-  void pass_hole(const codec::TileId& id) {
-    const codec::CellRect cells = bounds_->layout().cells(id);
-    if (holds_eye(cells)) horizon_.place_eye(false);
-    cache::Box box = bounds_->box({.id = id});
-    box.min[2] = static_cast<double>(bounds_->nodes().front().z_min_m);
-    box.max[2] = static_cast<double>(bounds_->nodes().front().z_max_m);
-    if (!frustum_.outside(box)) horizon_.open(cells, bounds_->layout());
+    if (occluder_of_) horizon_.add(node, occluder_of_(tree_, index), out.morph);
   }
 
   void summarise() {
@@ -318,23 +238,16 @@ class Walk {
   const Camera& camera_;
   const glm::dvec3 forward_ = camera_.axes().forward;
   const Frustum frustum_;
+  const ScreenError screen_error_;
   const CutOptions& options_;
   const TileStates& states_;
   const OccluderOf& occluder_of_;
-  Horizon horizon_;  ///< Of the tree where the walk is.
-  double eye_column_ = 0;
-  double eye_row_ = 0;
+  TreeHorizon horizon_;  ///< Of the tree where the walk is.
   LodCut cut_;
   std::vector<Asked> asked_;
 };
 
 }  // namespace
-
-double projected_error_px(double lod_error_m, double nearest_depth_m, const Camera& camera) {
-  if (lod_error_m <= 0) return 0;
-  if (nearest_depth_m <= 0) return std::numeric_limits<double>::infinity();
-  return lod_error_m * camera.focal_px() * camera.vertical_gain() / nearest_depth_m;
-}
 
 LodCut lod_cut(Trees trees, const Camera& camera, const CutOptions& options, const TileStates& states,
                const OccluderOf& occluder_of) {

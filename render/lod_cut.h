@@ -64,21 +64,15 @@ using IsResident = std::function<bool(std::uint32_t node)>;
 /// The occluder of a resident node's tile; null when it has none.
 using OccluderOf = std::function<const cache::Occluder*(std::uint32_t tree, std::uint32_t node)>;
 
-/// The screen-space error of a tile, pixels: an upper bound of how far its vertical error can move any
-/// visible point of it on the screen,
-///   error_px = lod_error_m * focal_px * vertical_gain / nearest_depth_m
-/// (Camera::focal_px, Camera::vertical_gain, Frustum::nearest_depth_m at the nearest point of its box).
-double projected_error_px(double lod_error_m, double nearest_depth_m, const Camera& camera);
-
 /// Walks the bounding-box hierarchy front to back (Wahl et al. 2004, section 5, Quadtree Update). A node
-/// outside the frustum ends there; one whose projected error is at most pixel_error, or that has no
+/// outside the frustum ends there; one whose error (ScreenError::bound_px) is at most pixel_error, or that has no
 /// children, is taken; any other is refined. Where a wanted tile is missing, its finest drawable ancestor
 /// stands in for all that it covers, or finer resident tiles that cover it do, so that the ground never has
 /// a hole once the root is resident. With everything resident the cut depends on the camera alone.
 /// Only where a tile is lost with all that could stand in for it does the ground have a hole for good.
 /// With `occluder_of` a node that the ground drawn before it hides ends there too and is not asked for
 /// (render/occlusion.h): the picture is the same, to the last pixel. A tree's ground hides that tree's tiles only.
-/// Pure: keeps nothing, changes nothing. Cost: about 0.1 us a node visited; with occlusion a microsecond, and a few
+/// Pure: keeps nothing, changes nothing. Cost: about 0.3 us a node visited; with occlusion a microsecond, and a few
 /// more a tile drawn.
 LodCut lod_cut(Trees trees, const Camera& camera, const CutOptions& options, const TileStates& states,
                const OccluderOf& occluder_of = nullptr);

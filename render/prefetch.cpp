@@ -1,25 +1,28 @@
 #include "render/prefetch.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
 
-#include "render/frustum.h"
+#include "render/screen_error.h"
 
 namespace tintree::render {
 namespace {
 
 constexpr double kRemembered_s = 0.5;
 
-double distance_m(const cache::Box& box, const glm::dvec3& eye) {
-  double squared = 0;
-  for (int i = 0; i < 3; ++i) {
-    const auto axis = static_cast<std::size_t>(i);
-    const double off = std::max({box.min[axis] - eye[i], eye[i] - box.max[axis], 0.0});
-    squared += off * off;
-  }
-  return std::sqrt(squared);
+/// The range of distances between two numbers from a third.
+std::array<double, 2> distances(double low, double high, double from) {
+  return {std::max({low - from, from - high, 0.0}), std::max(std::abs(low - from), std::abs(high - from))};
+}
+
+/// Camera::vertical_gain() at the elevation where it is largest. With c and s the elevation's cosine and sine its
+/// square is (tan_half_x s)² + (c + tan_half_y s)², a quadratic form; this is its larger eigenvalue's root.
+double most_vertical_gain(const Camera& camera) {
+  const double sides = std::pow(camera.tan_half_x(), 2) + std::pow(camera.tan_half_y(), 2);
+  return std::sqrt(0.5 * (1 + sides) + std::hypot(0.5 * (1 - sides), camera.tan_half_y()));
 }
 
 class SphereWalk {
@@ -27,6 +30,7 @@ class SphereWalk {
   SphereWalk(Trees trees, const Camera& camera, const CutOptions& options, const TileStates& states)
       : trees_(trees), camera_(camera), options_(options), states_(states) {
     corner_cosine_ = 1 / std::hypot(1.0, camera.tan_half_x(), camera.tan_half_y());
+    most_gain_ = most_vertical_gain(camera);
   }
 
   std::vector<cache::TileRef> run(std::size_t most) {
@@ -49,9 +53,7 @@ class SphereWalk {
   void visit(std::uint32_t tree, std::uint32_t index, double need_px) {
     const cache::TileBounds& bounds = *trees_[tree];
     const cache::TileNode& node = bounds.nodes()[index];
-    // The least depth that a point at this distance can have in a picture.
-    const double depth_m = distance_m(bounds.box(node), camera_.eye) * corner_cosine_;
-    const double error_px = projected_error_px(static_cast<double>(node.lod_error_m), depth_m, camera_);
+    const double error_px = most_error_px(bounds.box(node), static_cast<double>(node.lod_error_m));
     if (node.child_mask == 0 || error_px <= options_.pixel_error) {
       if (states_(tree, index) == TileState::kMissing) found_.push_back({{node.id, tree}, need_px});
       return;
@@ -61,11 +63,30 @@ class SphereWalk {
     }
   }
 
+  /// ScreenError::bound_px() whichever way the camera looks. A point at distance d, r of it level, is seen at depth
+  /// Z >= d cosine, and its g / Z is |ahead x (up x way)| / Z² <= r / Z².
+  double most_error_px(cache::Box box, double error_m) const {
+    if (error_m <= 0) return 0;
+    box.min[2] -= error_m;
+    box.max[2] += error_m;
+    const auto x = distances(box.min[0], box.max[0], camera_.eye.x);
+    const auto y = distances(box.min[1], box.max[1], camera_.eye.y);
+    const double height = distances(box.min[2], box.max[2], camera_.eye.z)[0];
+    const double depth = std::hypot(x[0], y[0], height) * corner_cosine_;
+    if (depth <= error_m) return std::numeric_limits<double>::infinity();
+    // r / (r² + height²) is largest where r is the height.
+    const double level = std::clamp(height, std::hypot(x[0], y[0]), std::hypot(x[1], y[1]));
+    const double slant = level / (std::pow(level, 2) + std::pow(height, 2)) / std::pow(corner_cosine_, 2);
+    const double gain = std::max(std::min(slant, most_gain_ / depth), ScreenError::kLeastGain / depth);
+    return camera_.focal_px() * error_m * gain / (1 - error_m / depth);
+  }
+
   Trees trees_;
   const Camera& camera_;
   const CutOptions& options_;
   const TileStates& states_;
   double corner_cosine_ = 1;
+  double most_gain_ = 1;
   std::vector<Found> found_;
 };
 

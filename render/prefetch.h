@@ -29,8 +29,8 @@ class CameraTrail {
 };
 
 /// Tiles that an eye where `ahead` is would want in whichever direction it looks, and that are missing: of every level
-/// those that a sphere round the eye reaches, whose radius is the distance at which the error of the level above
-/// is options.pixel_error pixels (Wahl et al. 2004, section 5, Caching & Prefetching). Those with the largest need, by
+/// those near enough that the error of the level above them could be more than options.pixel_error pixels somewhere in
+/// some picture from there (Wahl et al. 2004, section 5, Caching & Prefetching). Those with the largest need, by
 /// the projected error of their parents, first; at most `most`. Pure. Cost: about 0.1 us a node visited.
 std::vector<cache::TileRef> prefetch(Trees trees, const Camera& ahead, const CutOptions& options,
                                      const TileStates& states, std::size_t most);

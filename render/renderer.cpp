@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "render/screen_error.h"
+
 namespace tintree::render {
 namespace {
 
@@ -77,11 +79,13 @@ double Renderer::near_m(const LodCut& cut) const {
   return std::max({0.5 * cut.nearest_m, least, 1e-3});
 }
 
-double Renderer::skirt_slope(const Camera& camera, const LodCut& cut) {
-  return std::clamp(cut.max_error_px, 1.0, kMostSkirtPx) / (camera.focal_px() * camera.vertical_gain());
+double Renderer::gap_slope(const Camera& camera, const LodCut& cut) {
+  return std::clamp(cut.max_error_px, 1.0, kMostSkirtPx) / camera.focal_px();
 }
 
-void Renderer::draw_background(const Camera& camera, const Style& style) const {
+void Renderer::draw_background(const OffscreenTarget& target, const Camera& camera, const Style& style) const {
+  target.bind();
+  gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   const glm::vec3 plain = style.background.value_or(glm::vec3(0));
   gl_->DepthMask(GL_TRUE);
   gl_->ClearColor(plain.r, plain.g, plain.b, 1);
@@ -104,7 +108,9 @@ void Renderer::set_terrain_uniforms(const Camera& camera, Trees trees, const Lod
   const double level = std::cos(style.sun_elevation_rad);
   terrain_.use();
   set(*gl_, terrain_.uniform("eye_to_clip"), camera.projection(near_m(cut), zero_to_one) * camera.view_rotation());
-  set(*gl_, terrain_.uniform("skirt_slope"), skirt_slope(camera, cut));
+  set(*gl_, terrain_.uniform("gap_slope"), gap_slope(camera, cut));
+  set(*gl_, terrain_.uniform("ahead"), camera.axes().forward);
+  set(*gl_, terrain_.uniform("least_gain"), ScreenError::kLeastGain);
   set(*gl_, terrain_.uniform("eye_rise"), camera.eye.z - box.min[2]);
   set(*gl_, terrain_.uniform("relief"), std::max(box.max[2] - box.min[2], 1e-3));
   const double haze = style.fog_m > 0 ? kFog / style.fog_m : kHaze / std::max(diagonal_m(box), 1e-3);
@@ -120,10 +126,13 @@ void Renderer::set_terrain_uniforms(const Camera& camera, Trees trees, const Lod
 
 DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, Trees trees, const LodCut& cut,
                          GpuTilePool& pool, const Style& style) const {
-  target.bind();
+  draw_background(target, camera, style);
+  return draw_ground(camera, trees, cut, pool, style);
+}
+
+DrawStats Renderer::draw_ground(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool,
+                                const Style& style) const {
   if (gl_->ClipControl != nullptr) gl_->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-  gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-  draw_background(camera, style);
   DrawStats stats;
   if (cut.draws.empty()) return stats;
   gl_->Enable(GL_DEPTH_TEST);
@@ -149,18 +158,15 @@ DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, Tr
     const glm::vec4 tint = tile_tint(style.tint, tree.nodes()[d.node], d, style.allowed_px);
     gl_->Uniform4f(tile_tint_at, tint.r, tint.g, tint.b, tint.a);
     const bool morphs = d.morph > 0 && tile->morph.vertex_array != 0;
-    const GLuint array = morphs ? tile->morph.vertex_array : tile->vertex_array;
-    if (std::exchange(bound, array) != array) gl_->BindVertexArray(array);
+    const GpuMesh& mesh = morphs ? tile->morph : tile->mesh;
+    if (std::exchange(bound, mesh.vertex_array) != mesh.vertex_array) gl_->BindVertexArray(mesh.vertex_array);
     set(*gl_, morph, morphs ? d.morph : 0);
-    const std::uint32_t triangles = morphs ? tile->morph.surface_triangles : tile->surface_triangles;
-    const auto surface = static_cast<GLsizei>(3 * triangles);
-    const GLsizei all = morphs ? tile->morph.index_count : tile->index_count;
-    gl_->DrawElementsBaseVertex(GL_TRIANGLES, style.skirts ? all : surface, morphs ? GL_UNSIGNED_INT : tile->index_type,
-                                reinterpret_cast<const void*>(morphs ? 0 : tile->index_offset),
-                                morphs ? 0 : tile->base_vertex);
+    const auto surface = static_cast<GLsizei>(3 * mesh.surface_triangles);
+    gl_->DrawElementsBaseVertex(GL_TRIANGLES, style.skirts ? mesh.index_count : surface, mesh.index_type,
+                                reinterpret_cast<const void*>(mesh.index_offset), mesh.base_vertex);
     ++stats.tiles;
     ++stats.draw_calls;
-    stats.triangles += triangles;
+    stats.triangles += mesh.surface_triangles;
   }
   gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   gl_->BindVertexArray(0);

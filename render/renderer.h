@@ -37,6 +37,9 @@ struct DrawStats {
   std::uint32_t tiles = 0;
   std::uint32_t draw_calls = 0;
   std::uint64_t triangles = 0;  ///< Of surfaces; skirts are not counted.
+  /// Tiles that an impostor stood in for, and triangles drawn into a new one.
+  std::uint32_t impostor_tiles = 0;
+  std::uint64_t impostor_triangles = 0;
 };
 
 /// Draws a cut: every tile through the matrix that takes its grid addresses to metres relative to the eye
@@ -51,20 +54,23 @@ class Renderer {
   Renderer& operator=(Renderer&&) = delete;
   ~Renderer();
 
-  /// Fills `target`, whose size is the camera's. Tiles of the cut that the pool lacks are left out.
+  /// Fills `target`, whose size is the camera's: draw_background(), then draw_ground().
   DrawStats draw(const OffscreenTarget& target, const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool,
                  const Style& style) const;
+  void draw_background(const OffscreenTarget& target, const Camera& camera, const Style& style) const;
+  /// Draws into what is bound. Tiles of the cut that the pool lacks are left out.
+  DrawStats draw_ground(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool,
+                        const Style& style) const;
 
   /// The depth that draw() gives the nearest plane, metres: depth = near_m / OffscreenTarget::read_depth().
   double near_m(const LodCut& cut) const;
 
-  /// Metres of skirt a metre of distance from the eye: the larger of one pixel and the largest error drawn
-  /// (at most 16 pixels, while finer tiles are on their way), as a vertical length.
-  static double skirt_slope(const Camera& camera, const LodCut& cut);
+  /// What gaps between tiles measure at most, as metres across the view a metre of depth: the larger of one pixel and
+  /// the largest error drawn (at most 16 pixels, while finer tiles are on their way).
+  static double gap_slope(const Camera& camera, const LodCut& cut);
 
  private:
   Renderer(const GlFunctions& gl, ShaderProgram terrain, ShaderProgram sky);
-  void draw_background(const Camera& camera, const Style& style) const;
   void set_terrain_uniforms(const Camera& camera, Trees trees, const LodCut& cut, const Style& style) const;
 
   const GlFunctions* gl_;

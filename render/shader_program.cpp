@@ -11,12 +11,16 @@ namespace {
 
 using Log = std::array<char, 2048>;
 
-Expected<GLuint> compile(const GlFunctions& gl, GLenum kind, std::string_view name) {
-  const std::string_view source = shader_source(name);
-  const GLuint shader = gl.CreateShader(kind);
-  const char* text = source.data();
-  const auto length = static_cast<GLint>(source.size());
-  gl.ShaderSource(shader, 1, &text, &length);
+Expected<GLuint> compile(const GlFunctions& gl, const ShaderStage& stage) {
+  const std::array sources{stage.version, shader_source(stage.shared), shader_source(stage.name)};
+  std::array<const char*, sources.size()> texts{};
+  std::array<GLint, sources.size()> lengths{};
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    texts[i] = sources[i].empty() ? "" : sources[i].data();
+    lengths[i] = static_cast<GLint>(sources[i].size());
+  }
+  const GLuint shader = gl.CreateShader(stage.kind);
+  gl.ShaderSource(shader, static_cast<GLsizei>(sources.size()), texts.data(), lengths.data());
   gl.CompileShader(shader);
   GLint done = GL_FALSE;
   gl.GetShaderiv(shader, GL_COMPILE_STATUS, &done);
@@ -24,33 +28,35 @@ Expected<GLuint> compile(const GlFunctions& gl, GLenum kind, std::string_view na
   Log log{};
   gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
   gl.DeleteShader(shader);
-  return fail(ErrorCode::kIo, std::string("the driver refuses the shader: ") + log.data(), std::string(name));
+  return fail(ErrorCode::kIo, std::string("the driver refuses the shader: ") + log.data(), std::string(stage.name));
 }
 
 }  // namespace
 
 Expected<ShaderProgram> ShaderProgram::create(const GlFunctions& gl, std::string_view vertex_name,
                                               std::string_view fragment_name) {
-  const auto vertex = compile(gl, GL_VERTEX_SHADER, vertex_name);
-  if (!vertex) return tl::unexpected(vertex.error());
-  const auto fragment = compile(gl, GL_FRAGMENT_SHADER, fragment_name);
-  if (!fragment) {
-    gl.DeleteShader(*vertex);
-    return tl::unexpected(fragment.error());
-  }
+  return link(gl,
+              std::array{ShaderStage{GL_VERTEX_SHADER, vertex_name}, ShaderStage{GL_FRAGMENT_SHADER, fragment_name}});
+}
+
+Expected<ShaderProgram> ShaderProgram::link(const GlFunctions& gl, std::span<const ShaderStage> stages,
+                                            const char* feedback) {
   ShaderProgram program(gl, gl.CreateProgram());
-  gl.AttachShader(program.id_, *vertex);
-  gl.AttachShader(program.id_, *fragment);
+  for (const ShaderStage& stage : stages) {
+    const auto shader = compile(gl, stage);
+    if (!shader) return tl::unexpected(shader.error());
+    gl.AttachShader(program.id_, *shader);
+    gl.DeleteShader(*shader);  // with the program
+  }
+  if (feedback != nullptr) gl.TransformFeedbackVaryings(program.id_, 1, &feedback, GL_INTERLEAVED_ATTRIBS);
   gl.LinkProgram(program.id_);
-  gl.DeleteShader(*vertex);
-  gl.DeleteShader(*fragment);
   GLint done = GL_FALSE;
   gl.GetProgramiv(program.id_, GL_LINK_STATUS, &done);
   if (done == GL_TRUE) return program;
   Log log{};
   gl.GetProgramInfoLog(program.id_, static_cast<GLsizei>(log.size()), nullptr, log.data());
   return fail(ErrorCode::kIo, std::string("the driver cannot link the shader: ") + log.data(),
-              std::string(vertex_name));
+              std::string(stages.front().name));
 }
 
 ShaderProgram::ShaderProgram(ShaderProgram&& other) noexcept : gl_(other.gl_), id_(std::exchange(other.id_, 0)) {}

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string_view>
 
 #include "codec/error.h"
@@ -7,12 +8,24 @@
 
 namespace tintree::render {
 
-/// A linked program of two of the embedded shaders. Lives and dies while its context is current.
+/// One of a program's shaders: an embedded file, behind another that it shares with others and a first line, if given.
+struct ShaderStage {
+  GLenum kind = GL_VERTEX_SHADER;
+  std::string_view name;
+  std::string_view shared = {};
+  std::string_view version = {};
+};
+
+/// A linked program of some of the embedded shaders. Lives and dies while its context is current.
 class ShaderProgram {
  public:
   /// `gl` must outlive it. Fails with kIo and the driver's words when it refuses a shader.
   static Expected<ShaderProgram> create(const GlFunctions& gl, std::string_view vertex_name,
                                         std::string_view fragment_name);
+
+  /// Of any stages; `feedback` names the output that transform feedback takes, if there is one.
+  static Expected<ShaderProgram> link(const GlFunctions& gl, std::span<const ShaderStage> stages,
+                                      const char* feedback = nullptr);
 
   ShaderProgram(ShaderProgram&& other) noexcept;
   ShaderProgram& operator=(ShaderProgram&&) = delete;

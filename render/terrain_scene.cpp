@@ -35,7 +35,14 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
   if (!places) return tl::unexpected(places.error());
   auto renderer = Renderer::create(gl);
   if (!renderer) return tl::unexpected(renderer.error());
-  return std::unique_ptr<TerrainScene>(new TerrainScene(gl, stores, *places, options, std::move(*renderer)));
+  std::unique_ptr<FarPicture> far_picture;
+  if (options.impostors) {
+    auto made = FarPicture::create(gl);
+    if (!made) return tl::unexpected(made.error());
+    far_picture = std::move(*made);
+  }
+  return std::unique_ptr<TerrainScene>(
+      new TerrainScene(gl, stores, *places, options, std::move(*renderer), std::move(far_picture)));
 }
 
 Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& gl, const cache::TileStore& store,
@@ -45,14 +52,15 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
 }
 
 TerrainScene::TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places,
-                           const SceneOptions& options, Renderer renderer)
+                           const SceneOptions& options, Renderer renderer, std::unique_ptr<FarPicture> far_picture)
     : options_(options),
       cache_(std::make_unique<cache::TileCache>(
           sources(stores, places),
           cache::TileCache::Options{
               .bytes = options.cache_bytes, .morph = options.cut.morph, .texture_blocks = gl.texture_blocks})),
       pool_(gl, mesh_bytes(stores, options.gpu_bytes), options.gpu_bytes - mesh_bytes(stores, options.gpu_bytes)),
-      renderer_(std::move(renderer)) {
+      renderer_(std::move(renderer)),
+      far_picture_(std::move(far_picture)) {
   placed_.reserve(stores.size());
   for (std::size_t i = 0; i < stores.size(); ++i) {
     if (i > 0) placed_.push_back(stores[i]->bounds().placed(places[i].layout));
@@ -129,8 +137,31 @@ LodCut TerrainScene::advance(const Camera& camera, std::optional<double> seconds
   if (take_over(cut.requests) > 0) cut = choose();
   occlusion_pays_.note_frame(cut.draws.size(), cut.occluded);
   count_misses(cut.requests);
-  cache_->request(cut.requests, seconds ? tiles_ahead(camera, *seconds) : std::vector<cache::TileRef>{});
+  std::vector<cache::TileRef> ahead = seconds ? tiles_ahead(camera, *seconds) : std::vector<cache::TileRef>{};
+  if (far_picture_) {
+    const auto missing = plan_far_picture(camera);
+    // Who waits waits for these, too.
+    std::vector<cache::TileRef>& list = seconds ? ahead : cut.requests;
+    list.insert(seconds ? list.begin() : list.end(), missing.begin(), missing.end());
+  }
+  cache_->request(cut.requests, ahead);
   return cut;
+}
+
+std::vector<cache::TileRef> TerrainScene::plan_far_picture(const Camera& camera) {
+  const auto choose = [this](const Camera& from, const CutOptions& options, double beyond_m) {
+    const auto state_beyond = [&](std::uint32_t tree, std::uint32_t node) {
+      const bool close = nearest_m(trees_[tree]->box(trees_[tree]->nodes()[node]), from.eye) < beyond_m;
+      return close ? TileState::kResident : state(tree, node);
+    };
+    const auto cut = [&] { return lod_cut(trees_, from, options, state_beyond); };
+    LodCut chosen = cut();
+    return take_over(chosen.requests) > 0 ? cut() : chosen;
+  };
+  auto missing = far_picture_->plan(camera, trees_, options_.cut, choose);
+  std::erase_if(missing, [this](const cache::TileRef& t) { return cache_->lost(t); });
+  far_picture_lacks_ = !missing.empty() && !pool_full_;
+  return missing;
 }
 
 LodCut TerrainScene::update(const Camera& camera, std::optional<double> seconds) {
@@ -160,7 +191,7 @@ bool TerrainScene::busy(const LodCut& cut) {
 Expected<LodCut> TerrainScene::settle(const Camera& camera) {
   stats_ = {};
   LodCut cut = advance(camera, std::nullopt);
-  while (busy(cut)) {
+  while (busy(cut) || far_picture_lacks_) {
     cache_->wait_idle();
     cut = advance(camera, std::nullopt);
   }
@@ -173,7 +204,16 @@ Expected<LodCut> TerrainScene::settle(const Camera& camera) {
 
 DrawStats TerrainScene::draw(const OffscreenTarget& target, const Camera& camera, const LodCut& cut,
                              const Style& style) {
-  return renderer_.draw(target, camera, trees_, cut, pool_, style);
+  if (!far_picture_) return renderer_.draw(target, camera, trees_, cut, pool_, style);
+  const DrawStats made = far_picture_->refresh(renderer_, trees_, pool_, style, cut.nearest_m);
+  LodCut near = cut;
+  const std::uint32_t replaced = far_picture_->take_from(near, trees_, camera);
+  renderer_.draw_background(target, camera, style);
+  if (replaced > 0) far_picture_->draw(camera, renderer_.near_m(cut));
+  DrawStats drawn = renderer_.draw_ground(camera, trees_, near, pool_, style);
+  drawn.impostor_tiles = replaced;
+  drawn.impostor_triangles = made.triangles;
+  return drawn;
 }
 
 }  // namespace tintree::render

@@ -12,6 +12,7 @@
 #include "cache/tile_store.h"
 #include "codec/error.h"
 #include "render/camera.h"
+#include "render/far_picture.h"
 #include "render/gl_functions.h"
 #include "render/gpu_tile_pool.h"
 #include "render/lod_cut.h"
@@ -26,6 +27,7 @@ namespace tintree::render {
 struct SceneOptions {
   CutOptions cut;  ///< `morph` is chosen here once: the tiles are made for it.
   Occlusion occlusion = Occlusion::kWhereItPays;
+  bool impostors = false;  ///< Far ground as a picture that holds for several frames (render/impostor.h).
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< Main memory for tiles made ready.
   /// Graphics memory for tiles, never exceeded: a view that needs more is drawn coarser where it does not fit.
   std::size_t gpu_bytes = std::size_t{512} << 20;
@@ -68,7 +70,7 @@ class TerrainScene {
   DrawStats draw(const OffscreenTarget& target, const Camera& camera, const LodCut& cut, const Style& style);
 
   const FrameStats& frame_stats() const { return stats_; }
-  /// What has failed since the last call: each tile once.
+  /// What has failed since the last call, each failure once (TileCache::take_errors).
   std::vector<Error> take_errors() { return cache_->take_errors(); }
   /// Whether the view could become more complete without moving: tiles are on their way or wait for their upload.
   bool busy(const LodCut& cut);
@@ -85,7 +87,7 @@ class TerrainScene {
 
  private:
   TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places, const SceneOptions& options,
-               Renderer renderer);
+               Renderer renderer, std::unique_ptr<FarPicture> far_picture);
   LodCut advance(const Camera& camera, std::optional<double> seconds);
   TileState state(std::uint32_t tree, std::uint32_t node);
   /// Moves tiles that have come to the graphics card; what is still missing is left in `wanted`. Returns
@@ -94,6 +96,8 @@ class TerrainScene {
   void count_misses(std::span<const cache::TileRef> missing);
   /// What to load ahead, as seen from where the camera is going.
   std::vector<cache::TileRef> tiles_ahead(const Camera& camera, double seconds);
+  /// Returns what the next impostor lacks.
+  std::vector<cache::TileRef> plan_far_picture(const Camera& camera);
   void sum_up();
 
   SceneOptions options_;
@@ -102,6 +106,8 @@ class TerrainScene {
   std::unique_ptr<cache::TileCache> cache_;
   GpuTilePool pool_;
   Renderer renderer_;
+  std::unique_ptr<FarPicture> far_picture_;  ///< Null without impostors.
+  bool far_picture_lacks_ = false;           ///< Tiles of the next one are on their way.
   CameraTrail trail_;
   OcclusionSwitch occlusion_pays_;
   FrameStats stats_;

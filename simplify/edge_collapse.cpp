@@ -84,7 +84,7 @@ std::int64_t EdgeCollapse::sweep(double threshold, bool repair) {
     if (collapse_any(repair))
       ++gone;
     else
-      failed_cost_[at(v)] = threshold;
+      failed_cost_[at(v)] = untried_cost_;
   }
   return gone;
 }
@@ -103,12 +103,17 @@ bool EdgeCollapse::collapse_any(bool repair) {
 
 void EdgeCollapse::collect_candidates(std::int32_t vertex, double threshold) {
   candidates_.clear();
+  untried_cost_ = kInfinity;
   const auto consider = [&](std::int32_t half_edge, std::int32_t other) {
     Candidate candidate{half_edge, vertex, other, 0, {}};
-    if (!propose(candidate) || candidate.cost > threshold || candidate.cost <= failed_cost_[at(vertex)]) return;
+    if (!propose(candidate) || candidate.cost < failed_cost_[at(vertex)]) return;
+    if (candidate.cost > threshold) {
+      untried_cost_ = std::min(untried_cost_, candidate.cost);
+      return;
+    }
     // Two free ends propose the same collapse: what failed from the other end fails from here.
     if (kind(other) == VertexKind::kFree && kind(vertex) == VertexKind::kFree &&
-        candidate.cost <= failed_cost_[at(other)])
+        candidate.cost < failed_cost_[at(other)])
       return;
     candidates_.push_back(candidate);
   };

@@ -68,10 +68,11 @@ class EdgeCollapse {
   std::vector<CollapseStep>* log_ = nullptr;
 
   std::vector<Quadric> quadrics_;
-  std::vector<double> failed_cost_;  // all candidates up to this cost are known to fail
+  std::vector<double> failed_cost_;  // all candidates below this cost are known to fail
   std::vector<std::int32_t> mark_;
   std::int32_t mark_value_ = 0;
   std::vector<Candidate> candidates_;
+  double untried_cost_ = 0;  // the least of those beyond the sweep's threshold
   Ring ring_;  // around the vertex that a candidate would leave
 };
 

@@ -52,8 +52,7 @@ class Sampler {
       : manifest_(&manifest),
         view_(surface, stop),
         meter_(view_),
-        maker_(make_tile_maker(manifest.method, surface, manifest.layout, effort_named(manifest.effort), stop,
-                               manifest.criterion)),
+        maker_(make_tile_maker(manifest, surface, stop)),
         codec_(codec::find_codec(manifest.method)),
         decoder_(manifest, {}) {}
 

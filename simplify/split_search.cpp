@@ -5,14 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "codec/split_hierarchy.h"
 #include "simplify/surface_distance.h"
 
 namespace tintree::simplify {
 namespace {
 
-/// Points are classified by their coordinates in the window: with u the largest power of two that divides both,
-/// (x / u, y / u) both odd is the centre of a square of side 2u, one odd the middle of such a square's side. Each
-/// is the middle of the hypotenuse of two triangles, and splitting there needs the larger triangles split first.
+/// Points are classified by their coordinates in the window (codec::SplitPoint).
 class SplitSearch {
  public:
   SplitSearch(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0)
@@ -26,22 +25,23 @@ class SplitSearch {
         distance_(view, column0_, row0_),
         flags_(span_) {}
 
-  SplitFlags run() {
+  codec::SplitFlags run() {
     for (std::int64_t y = 0; y <= span_; y += square_) {
       for (std::int64_t x = 0; x <= span_; x += square_) flags_.set(x, y);
     }
-    for (std::int64_t y = 0; y < span_; y += square_) {
-      for (std::int64_t x = 0; x < span_ && !view_->interrupted(); x += square_) {
-        if (!holds_cells(x, y)) continue;
-        bound_m_ = tested_bound_m(view_->surface(), rect(x, y, square_, square_), level_.bound_m);
-        search(x, y, square_);
-      }
+    const std::int64_t last = span_ - square_;
+    for (std::int64_t y = square_; y < last; y += square_) {
+      for (std::int64_t x = square_; x < last; x += square_) search_square(x, y);
     }
     for (const std::int64_t line : {ring_, ring_ + level_.cells}) {
       for (std::int64_t i = 0; i < span_; i += square_) {
         search_line(i, line, false);
         search_line(i, line, true);
       }
+    }
+    for (std::int64_t y = 0; y <= last; y += square_) {
+      const bool whole_row = y == 0 || y == last;
+      for (std::int64_t x = 0; x <= last; x += whole_row ? square_ : last) search_outer(x, y);
     }
     return std::move(flags_);
   }
@@ -71,24 +71,7 @@ class SplitSearch {
   /// Sets the flag of a point and of all whose triangles have to be split before its own exist.
   void force(std::int64_t x, std::int64_t y) {
     if (x < 0 || y < 0 || x > span_ || y > span_ || !flags_.set(x, y)) return;
-    const std::int64_t unit = (x | y) & -(x | y);
-    const bool odd_x = (x & unit) != 0;
-    const bool odd_y = (y & unit) != 0;
-    if (odd_x && odd_y) {
-      // The square's corners of mixed parity are the middles of the larger square's sides.
-      const std::int64_t side = 2 * unit;
-      const std::int64_t west = x - unit;
-      const std::int64_t north = y - unit;
-      const bool even = ((west / side + north / side) & 1) == 0;
-      force(even ? west + side : west, north);
-      force(even ? west : west + side, north + side);
-    } else if (odd_x) {
-      force(x, y - unit);
-      force(x, y + unit);
-    } else {
-      force(x - unit, y);
-      force(x + unit, y);
-    }
+    for (const codec::SplitPoint& p : codec::split_parents({x, y})) force(p.x, p.y);
   }
 
   /// Both halves of a unit cell become triangles of their own.
@@ -123,6 +106,24 @@ class SplitSearch {
     if (patch.empty()) return kNothing;
     const double error = static_cast<double>(patch.high) - static_cast<double>(patch.low) + level_.heights.step_m / 2;
     return std::isnan(error) ? kUnknown : error;
+  }
+
+  void search_square(std::int64_t x, std::int64_t y) {
+    if (view_->interrupted() || !holds_cells(x, y)) return;
+    bound_m_ = tested_bound_m(view_->surface(), rect(x, y, square_, square_), level_.bound_m);
+    search(x, y, square_);
+  }
+
+  /// A square of the window's outermost ring. All that can come of it for triangles that touch the tile is that the
+  /// next square towards the tile is split at its centre and in the middle of its sides: forced splits reach half a
+  /// square, in steps that double.
+  void search_outer(std::int64_t x, std::int64_t y) {
+    const std::int64_t half = square_ / 2;
+    const std::int64_t cx = std::clamp(x, square_, span_ - 2 * square_) + half;
+    const std::int64_t cy = std::clamp(y, square_, span_ - 2 * square_) + half;
+    const bool split = flags_.get(cx, cy) && flags_.get(cx - half, cy) && flags_.get(cx + half, cy) &&
+                       flags_.get(cx, cy - half) && flags_.get(cx, cy + half);
+    if (!split) search_square(x, y);
   }
 
   /// Tests all triangles inside a square, small ones first.
@@ -299,7 +300,7 @@ class SplitSearch {
   std::int64_t column0_;
   std::int64_t row0_;
   SurfaceDistance distance_;
-  SplitFlags flags_;
+  codec::SplitFlags flags_;
   double bound_m_ = 0;  // of the square that is being searched
   std::array<std::array<double, kLine>, kLine> samples_;
   std::array<std::array<double, kLine>, kLine> snapped_;
@@ -309,7 +310,7 @@ class SplitSearch {
 
 }  // namespace
 
-SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0) {
+codec::SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0) {
   return SplitSearch(view, level, column0, row0).run();
 }
 

@@ -4,7 +4,7 @@
 
 #include "simplify/level_grid.h"
 #include "simplify/reference_surface.h"
-#include "simplify/split_flags.h"
+#include "codec/split_flags.h"
 
 namespace tintree::simplify {
 
@@ -19,10 +19,10 @@ inline constexpr std::int64_t kRingSquares = 2;
 /// corners; so the mesh at a place depends on the samples nearby alone, and neighbouring tiles agree on it.
 ///
 /// Returns the flags of the window from (column0 - ring, row0 - ring), ring = kRingSquares squares, to as far
-/// beyond the tile: at each grid point whether the triangles that meet there exist. They are final in the tile and
-/// for all triangles outside it that touch it. Ends early, with some of them, once the view is interrupted. Cost:
-/// 10 ns a sample where the surface is rough at this bound, next to nothing where its residual pyramid shows that
-/// it is flat.
-SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0);
+/// beyond the tile: at each grid point whether the triangles that meet there exist. They are final in the tile, half a
+/// square around it and so for all triangles outside it that touch it. Ends early, with some of them, once the view is
+/// interrupted. Cost: 10 ns a sample where the surface is rough at this bound, next to nothing where its residual
+/// pyramid shows that it is flat.
+codec::SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0);
 
 }  // namespace tintree::simplify

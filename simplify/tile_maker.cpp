@@ -3,32 +3,39 @@
 #include <algorithm>
 #include <array>
 
+#include "simplify/nested_maker.h"
+#include "simplify/scalar_maker.h"
+#include "simplify/strip_maker.h"
 #include "simplify/tin_maker.h"
 #include "simplify/wavelet_maker.h"
 
 namespace tintree::simplify {
 namespace {
 
+using MakerPtr = std::unique_ptr<TileMaker>;
+
 struct Method {
   std::string_view name;
-  std::unique_ptr<TileMaker> (*make)(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort effort,
-                                     const StopFlag* stop, std::string_view criterion);
+  MakerPtr (*make)(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop);
 };
 
 template <typename Maker>
-std::unique_ptr<TileMaker> make(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort effort,
-                                const StopFlag* stop, std::string_view /*criterion*/) {
-  return std::make_unique<Maker>(surface, layout, effort, stop);
+MakerPtr make(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop) {
+  return std::make_unique<Maker>(surface, manifest.layout, effort_named(manifest.effort), stop);
 }
 
-std::unique_ptr<TileMaker> make_wavelet(const ReferenceSurface& surface, const codec::TreeLayout& layout,
-                                        Effort /*effort*/, const StopFlag* stop, std::string_view criterion) {
-  using enum codec::PatchCriterion;
-  return std::make_unique<WaveletMaker>(surface, layout, criterion == "max" ? kMax : kRms, stop);
+MakerPtr make_wavelet(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop) {
+  return std::make_unique<WaveletMaker>(surface, manifest.layout, codec::criterion_named(manifest.criterion), stop);
+}
+
+MakerPtr make_scalar(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop) {
+  return std::make_unique<ScalarMaker>(surface, manifest.layout, codec::quantizer_named(manifest.quantizer), stop);
 }
 
 /// One row a method, as in codec/mesh_codec.cpp.
-constexpr std::array kMethods{Method{"tin", make<TinMaker>}, Method{"wavelet", make_wavelet}};
+constexpr std::array kMethods{Method{"tin", make<TinMaker>}, Method{"strip", make<StripMaker>},
+                              Method{"nested", make<NestedMaker>}, Method{"wavelet", make_wavelet},
+                              Method{"scalar", make_scalar}};
 
 }  // namespace
 
@@ -38,11 +45,9 @@ std::vector<std::string> method_names() {
   return names;
 }
 
-std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,
-                                           const codec::TreeLayout& layout, Effort effort, const StopFlag* stop,
-                                           std::string_view criterion) {
-  const auto* found = std::ranges::find(kMethods, method, &Method::name);
-  return found == kMethods.end() ? nullptr : found->make(surface, layout, effort, stop, criterion);
+MakerPtr make_tile_maker(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop) {
+  const auto* found = std::ranges::find(kMethods, manifest.method, &Method::name);
+  return found == kMethods.end() ? nullptr : found->make(manifest, surface, stop);
 }
 
 }  // namespace tintree::simplify

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cache/manifest.h"
 #include "codec/error.h"
 #include "codec/grid_frame.h"
 #include "codec/mesh_codec.h"
@@ -39,10 +40,9 @@ class TileMaker {
 /// The methods that make_tile_maker() knows, the default one first.
 std::vector<std::string> method_names();
 
-/// A maker of the method ("tin"), or null for one that this version lacks. `stop` must outlive it. `criterion` is the
-/// manifest's.
-std::unique_ptr<TileMaker> make_tile_maker(std::string_view method, const ReferenceSurface& surface,
-                                           const codec::TreeLayout& layout, Effort effort = Effort::kFast,
-                                           const StopFlag* stop = nullptr, std::string_view criterion = {});
+/// A maker of the tiles that the manifest describes, by its layout, method and the method's own choices; null for a
+/// method that this version lacks. `stop` must outlive it.
+std::unique_ptr<TileMaker> make_tile_maker(const cache::Manifest& manifest, const ReferenceSurface& surface,
+                                           const StopFlag* stop = nullptr);
 
 }  // namespace tintree::simplify

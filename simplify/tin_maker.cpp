@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <utility>
 
-#include <fmt/format.h>
+#include "simplify/finish_tile.h"
 
 namespace tintree::simplify {
 namespace {
@@ -175,41 +174,23 @@ void TinMaker::classify(std::int64_t span) {
   }
 }
 
-/// The live part of the mesh, on the coarsest address grid that holds it.
+/// The live part of the mesh.
 Expected<codec::TileMesh> TinMaker::take_mesh(const codec::TileId& id, int sub_bits) const {
   codec::TileMesh out;
+  out.z_offset = heights_.origin;
   std::vector<std::int32_t> compact(mesh_.vertices.size(), kNone);
-  std::int32_t lowest = std::numeric_limits<std::int32_t>::max();
-  std::int32_t highest = std::numeric_limits<std::int32_t>::min();
-  std::uint32_t all_bits = static_cast<std::uint32_t>(layout_.cells_across(id.level) << sub_bits);
   for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) {
     if (!mesh_.alive(v)) continue;
     const LatticeVertex& p = mesh_.vertices[at(v)];
     compact[at(v)] = static_cast<std::int32_t>(out.vertices.size());
     out.vertices.push_back({p.x, p.y, p.z});
-    lowest = std::min(lowest, p.z);
-    highest = std::max(highest, p.z);
-    all_bits |= static_cast<std::uint32_t>(p.x) | static_cast<std::uint32_t>(p.y);
   }
-  if (out.vertices.empty()) return out;
-  const std::int64_t relief = std::int64_t{highest} - lowest;
-  if (relief > codec::kMaxHeightAddress) {
-    return fail(ErrorCode::kBadData,
-                fmt::format("its relief spans {} height steps, more than the {} of the format; choose an --error at "
-                            "least {:.1f} times as large",
-                            relief, codec::kMaxHeightAddress, static_cast<double>(relief) / codec::kMaxHeightAddress),
-                "tile " + id.text());
-  }
-  const int shift = std::countr_zero(all_bits);
-  out.xy_shift = shift - sub_bits;
-  out.z_offset = heights_.origin + lowest;
-  for (codec::GridVertex& v : out.vertices) v = {v.x >> shift, v.y >> shift, v.z - lowest};
   for (std::int32_t h = 0; h < mesh_.half_edge_count(); h += 3) {
     if (!mesh_.triangle_alive(h)) continue;
     const auto corner = [&](std::int32_t k) { return static_cast<std::uint32_t>(compact[at(mesh_.origin(h + k))]); };
     out.triangles.push_back({corner(0), corner(1), corner(2)});
   }
-  return out;
+  return finish_tile(std::move(out), layout_.cells_across(id.level) << sub_bits, sub_bits, id);
 }
 
 }  // namespace tintree::simplify

@@ -162,8 +162,7 @@ Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, 
 
   std::vector<LevelSummary> levels = make_levels(layout);
   tbb::enumerable_thread_specific<std::unique_ptr<TileMaker>> makers(
-      [&] { return make_tile_maker(manifest.method, surface, layout, effort_named(manifest.effort), stop,
-                                   manifest.criterion); });
+      [&] { return make_tile_maker(manifest, surface, stop); });
   std::optional<Error> error;
   std::size_t next = 0;
   std::uint64_t done = total - todo.size();

@@ -1,6 +1,7 @@
 #include "apps/audit/window_bins.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "apps/audit/height_window.h"
 
@@ -11,16 +12,16 @@ WindowBins::Grid::Grid(const TileSurface& s)
       height(s.cells.row1 - s.cells.row0),
       nx((width + kWindowCells - 1) / kWindowCells),
       ny((height + kWindowCells - 1) / kWindowCells),
-      units(kWindowCells * s.units) {}
+      shift(std::countr_zero(static_cast<std::uint64_t>(kWindowCells * s.units))) {}
 
 template <typename Visit>
 void WindowBins::Grid::touched(std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y1,
                                const Visit& visit) const {
   // Windows share their sides: what ends on one belongs to both.
-  const std::int64_t i0 = std::clamp<std::int64_t>((x0 - 1) / units, 0, nx - 1);
-  const std::int64_t j0 = std::clamp<std::int64_t>((y0 - 1) / units, 0, ny - 1);
-  const std::int64_t i1 = std::clamp<std::int64_t>(x1 / units, 0, nx - 1);
-  const std::int64_t j1 = std::clamp<std::int64_t>(y1 / units, 0, ny - 1);
+  const std::int64_t i0 = std::clamp<std::int64_t>((x0 - 1) >> shift, 0, nx - 1);
+  const std::int64_t j0 = std::clamp<std::int64_t>((y0 - 1) >> shift, 0, ny - 1);
+  const std::int64_t i1 = std::clamp<std::int64_t>(x1 >> shift, 0, nx - 1);
+  const std::int64_t j1 = std::clamp<std::int64_t>(y1 >> shift, 0, ny - 1);
   for (std::int64_t j = j0; j <= j1; ++j) {
     for (std::int64_t i = i0; i <= i1; ++i) visit(static_cast<std::size_t>(j * nx + i));
   }
@@ -53,8 +54,8 @@ WindowBins::WindowBins(const TileSurface& s)
         for (std::uint32_t v = 0; v < s.corners.size(); ++v) {
           const Corner& p = s.corners[v];
           if (p.x > s.width_units() || p.y > s.height_units()) continue;
-          const std::int64_t i = std::min<std::int64_t>(p.x / grid_.units, grid_.nx - 1);
-          const std::int64_t j = std::min<std::int64_t>(p.y / grid_.units, grid_.ny - 1);
+          const std::int64_t i = std::min<std::int64_t>(p.x >> grid_.shift, grid_.nx - 1);
+          const std::int64_t j = std::min<std::int64_t>(p.y >> grid_.shift, grid_.ny - 1);
           put(static_cast<std::size_t>(j * grid_.nx + i), v);
         }
       }) {}

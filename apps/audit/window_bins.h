@@ -55,7 +55,7 @@ class WindowBins {
     std::int64_t height;
     std::int64_t nx;
     std::int64_t ny;
-    std::int64_t units;  // lattice units across a window
+    int shift;  // two to this power lattice units are a window
   };
 
   Grid grid_;

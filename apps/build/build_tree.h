@@ -19,7 +19,8 @@ struct BuildOptions {
   std::optional<double> error_m;  ///< Bound of the leaves; default half the sample spacing.
   std::string method = "tin";
   std::string effort = "fast";
-  std::string criterion;  ///< Of method `wavelet` alone: "max" or "rms"; empty: "rms".
+  std::optional<std::string> quantizer;  ///< Of method scalar: uniform, the default there, or lloyd-max.
+  std::optional<std::string> criterion;  ///< Of method wavelet: rms, the default there, or max.
   int tile_cells = 256;
   std::vector<std::string> orthos;  ///< Photos to drape over the terrain; where they overlap, the later one counts.
   std::optional<int> texture_size;  ///< Texels along a tile's side; default 256, and more where the photos are finer.

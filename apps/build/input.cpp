@@ -116,7 +116,8 @@ cache::Manifest describe_tree(const BuildOptions& options, const cache::RasterIn
   cache::Manifest manifest;
   manifest.method = options.method;
   manifest.effort = options.effort;
-  if (options.method == "wavelet") manifest.criterion = options.criterion.empty() ? "rms" : options.criterion;
+  if (options.method == "scalar") manifest.quantizer = options.quantizer.value_or("uniform");
+  if (options.method == "wavelet") manifest.criterion = options.criterion.value_or("rms");
   manifest.crs_wkt = info.crs_wkt;
   manifest.geotransform = info.geotransform;
   manifest.geographic = info.geographic;

@@ -35,8 +35,10 @@ Expected<void> check(const BuildOptions& o) {
   if (o.error_m && !(std::isfinite(*o.error_m) && *o.error_m > 0)) {
     return tintree::fail(ErrorCode::kUsage, "must be a positive number of metres", "--error");
   }
-  if (!o.criterion.empty() && o.method != "wavelet")
-    return tintree::fail(ErrorCode::kUsage, "is for --method wavelet alone", "--criterion");
+  if (o.quantizer && o.method != "scalar")
+    return tintree::fail(ErrorCode::kUsage, "is for --method scalar; leave it out with " + o.method, "--quantizer");
+  if (o.criterion && o.method != "wavelet")
+    return tintree::fail(ErrorCode::kUsage, "is for --method wavelet; leave it out with " + o.method, "--criterion");
   if (o.plan && o.method == "wavelet") {
     return tintree::fail(
         ErrorCode::kUsage,
@@ -82,6 +84,8 @@ int main(int argc, char** argv) {
   app.add_option("--effort", o.effort, "fast, or best for fewer triangles and bytes in a multiple of the time")
       ->check(CLI::IsMember({"fast", "best"}))
       ->capture_default_str();
+  app.add_option("--quantizer", o.quantizer, "With --method scalar: how heights are quantised (default: uniform)")
+      ->check(CLI::IsMember({"uniform", "lloyd-max"}));
   app.add_option("--criterion", o.criterion,
                  "With --method wavelet, what the coded heights of a tile keep within its bound beside the surface: "
                  "max each, or rms their root mean square (default)")

@@ -119,6 +119,7 @@ std::vector<std::string> figures_text(const Readings& r) {
       fmt::format("{} triangles", r.triangles),
       fmt::format("{} tiles", r.tiles),
       fmt::format("{} out of view", r.culled),
+      fmt::format("{} hidden", r.occluded),
       fmt::format("error {:.2f} of {:.3g} px", r.max_error_px, r.allowed_px),
       fmt::format("cache hits {:.0f} %", 100 * r.hits / asked),
       fmt::format("memory {} + {} graphics", megabytes(r.cache_bytes), megabytes(r.gpu_bytes)),

@@ -14,6 +14,7 @@ struct Readings {
   std::uint64_t triangles = 0;
   std::uint32_t tiles = 0;
   std::uint32_t culled = 0;     ///< Parts of the tree outside the view.
+  std::uint32_t occluded = 0;   ///< Parts behind nearer ground, where that was looked for.
   std::uint32_t hits = 0;       ///< Of the tiles that came into view since the start: ready in memory.
   std::uint32_t misses = 0;     ///< The others: had to be read.
   std::size_t cache_bytes = 0;  ///< Main memory for tiles.

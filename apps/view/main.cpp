@@ -44,6 +44,8 @@ int main(int argc, char** argv) {
   app.add_option("TREE", line.trees, "The .tintree files: one scene, each where its georeference says")->required();
   app.add_option("--pixel-error", line.pixel_error, "Largest error on the screen, pixels")->capture_default_str();
   app.add_flag("--morph", line.morph, "Let levels of detail flow into each other, for --pixel-error above 1");
+  app.add_flag("--impostors", line.impostors,
+               "Draw far ground once for several frames, on slow flights over large trees");
   app.add_option("--fog", line.fog_m, "Fog: metres at which it hides the ground");
   app.add_option("--gpu-memory", line.gpu_memory_mib, "Graphics memory for tiles, MiB")->capture_default_str();
   app.add_option("--size", line.size, "WIDTHxHEIGHT of the picture or window, pixels (1280x720)");

@@ -121,6 +121,8 @@ nlohmann::ordered_json to_json(const Frame& f) {
       {"tiles", f.drawn.tiles},
       {"frustum_culled", f.cut.culled},
       {"occluded", f.cut.occluded},
+      {"impostor_tiles", f.drawn.impostor_tiles},
+      {"impostor_triangles", f.drawn.impostor_triangles},
       {"max_error_px", f.cut.max_error_px},
       {"wanted_tiles", f.cut.wanted},
       {"late_tiles", f.cut.late},
@@ -162,6 +164,10 @@ nlohmann::ordered_json to_json(const std::vector<Frame>& frames, const render::G
       {"frame_seconds_worst", frame_seconds_quantile(frames, 1)},
       {"triangles", sum([](const Frame& f) { return f.drawn.triangles; })},
       {"draw_calls", sum([](const Frame& f) { return f.drawn.draw_calls; })},
+      {"frustum_culled", sum([](const Frame& f) { return f.cut.culled; })},
+      {"occluded", sum([](const Frame& f) { return f.cut.occluded; })},
+      {"impostor_tiles", sum([](const Frame& f) { return f.drawn.impostor_tiles; })},
+      {"impostor_triangles", sum([](const Frame& f) { return f.drawn.impostor_triangles; })},
       {"bytes_read", sum([](const Frame& f) { return f.stats.bytes_read; })},
       {"cache_hits", sum([](const Frame& f) { return f.stats.cache_hits; })},
       {"cache_misses", sum([](const Frame& f) { return f.stats.cache_misses; })},
@@ -206,6 +212,7 @@ Expected<void> play_flight(const render::GlFunctions& gl, render::TerrainScene::
   render::SceneOptions scene_options;
   scene_options.cut.pixel_error = options.pixel_error;
   scene_options.cut.morph = options.morph;
+  scene_options.impostors = options.impostors;
   scene_options.gpu_bytes = options.gpu_bytes;
   scene_options.upload_bytes = kUploadBytes;
   const auto scene = render::TerrainScene::create(gl, stores, scene_options);

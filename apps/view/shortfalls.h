@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,13 +16,14 @@ std::string too_little_memory(const ViewOptions& options);
 /// What kept the pictures of a run from being whole.
 class Shortfalls {
  public:
-  /// Remembers the tiles that were lost; says on standard error, once, when the graphics memory is too small.
+  /// Remembers what kept tiles from being loaded; says on standard error, once, when the graphics memory is too small.
   void note(render::TerrainScene& scene, const ViewOptions& options);
   /// Fails, once tiles were lost, with what happened to the first and their number.
   Expected<void> outcome() const;
 
  private:
-  std::vector<Error> lost_;
+  std::vector<Error> failures_;
+  std::uint64_t lost_tiles_ = 0;
   bool told_of_memory_ = false;
 };
 

@@ -122,6 +122,7 @@ Expected<ViewOptions> read_options(const CommandLine& line) {
   out.json = line.json;
   out.quiet = line.quiet;
   out.morph = line.morph;
+  out.impostors = line.impostors;
   if (!std::isfinite(line.fog_m) || line.fog_m < 0)
     return fail(ErrorCode::kUsage, "wants a distance in metres, 0 or more", "--fog");
   out.style.fog_m = line.fog_m;

@@ -32,6 +32,7 @@ struct CommandLine {
   bool real_time = false;
   std::string json;
   bool morph = false;
+  bool impostors = false;
   double fog_m = 0;
   bool quiet = false;
 };
@@ -55,6 +56,7 @@ struct ViewOptions {
   bool real_time = false;  ///< The clock leads the camera, not the frame's number.
   std::string json;
   bool morph = false;
+  bool impostors = false;
   bool quiet = false;
 };
 

@@ -178,6 +178,7 @@ void Viewer::draw_scene() {
                .triangles = drawn.triangles,
                .tiles = drawn.tiles,
                .culled = cut.culled,
+               .occluded = cut.occluded,
                .hits = readings_.hits + stats.cache_hits,
                .misses = readings_.misses + stats.cache_misses,
                .cache_bytes = stats.cache_bytes,

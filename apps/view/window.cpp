@@ -45,6 +45,7 @@ Expected<void> show(GlfwWindow& window, const render::GlFunctions& gl, render::T
   render::SceneOptions scene_options;
   scene_options.cut.pixel_error = options.pixel_error;
   scene_options.cut.morph = options.morph;
+  scene_options.impostors = options.impostors;
   scene_options.gpu_bytes = options.gpu_bytes;
   scene_options.upload_bytes = kUploadBytes;
   const auto scene = render::TerrainScene::create(gl, stores, scene_options);

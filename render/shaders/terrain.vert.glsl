@@ -11,7 +11,9 @@ uniform mat4 address_to_eye;   // grid addresses to metres east, north, up of th
 uniform mat4 eye_to_clip;
 uniform float tile_share;      // of a tile's side that an address step is
 uniform float morph;           // share of the way to the parent's surface
-uniform float skirt_slope;     // metres of skirt a metre of distance
+uniform float gap_slope;       // what a gap measures across the view, a metre of depth
+uniform vec3 ahead;            // of the view, unit length
+uniform float least_gain;      // render/screen_error.h
 uniform float eye_rise;        // metres of the eye above the lowest ground
 
 out vec3 from_eye;
@@ -32,13 +34,15 @@ void main() {
   vec3 position = (address_to_eye * vec4(address, 1.0)).xyz;
   rise = position.z + eye_rise;
   if (skirt_sides != 0u) {
-    // Down by what a gap can measure, and half of that outward, under the neighbour, so that rounding
-    // leaves no pinhole where the border is seen from above.
-    float reach = skirt_slope * length(position);
+    // Down by what a gap can measure (render/screen_error.h), and half a pixel outward, under the neighbour, so that
+    // rounding leaves no pinhole where the border is seen from above.
+    float depth = max(dot(ahead, position), 0.5 * length(position));
+    float gain = length(cross(ahead, vec3(-position.y, position.x, 0.0))) / depth;
+    float reach = gap_slope * depth;
     float across = float((skirt_sides >> 1) & 1u) - float(skirt_sides & 1u);
     float down = float((skirt_sides >> 3) & 1u) - float((skirt_sides >> 2) & 1u);
     vec2 outward = across * normalize(address_to_eye[0].xy) + down * normalize(address_to_eye[1].xy);
-    position += reach * vec3(0.5 * outward, -1.0);
+    position += reach * vec3(0.5 * outward, -1.0 / max(gain, least_gain));
   }
   from_eye = position;
   on_tile = tile_share * address.xy;

@@ -1,6 +1,7 @@
 """scripts/atlas: where simplifiers fail. See scripts/atlas --help."""
 import argparse
 import sys
+import time
 from pathlib import Path
 
 import atlas_page
@@ -9,9 +10,11 @@ import terrains
 from contenders import CONTENDERS, meet, tools_digest
 from memo import Memo, digest
 from programs import BENCH, CACHE, ROOT
+from progress import Progress
 
 MEMO = BENCH / "atlas.jsonl"
 LIMIT_S, QUICK_LIMIT_S = 10, 3
+TYPICAL_S = 1.5  # of a measurement that was never made
 
 
 def arguments():
@@ -36,25 +39,35 @@ def map_of(terrain, contender):
     return terrains.FOLDER / f"{terrain.name}.{contender.name.replace(' ', '_')}.f32"
 
 
-def rows_of(terrain, args, memo, latest):
-    """{method: figures} of one terrain, measured where they are not known."""
-    raster = terrains.raster_of(terrain, args.data)
-    error_m, fingerprint, rows = terrains.error_of(terrain, raster), terrains.fingerprint(raster), {}
+def known(which, latest):
+    """{terrain: {method: figures}} of what was measured last."""
+    for terrain in which:
+        for contender in CONTENDERS:
+            if (terrain.name, contender.name) not in latest:
+                sys.exit(f"scripts/atlas: {terrain.name} by {contender.name} was never measured; run without --draw-only")
+    return {t: {c.name: latest[t.name, c.name] for c in CONTENDERS} for t in which}
+
+
+def measured(which, args, memo, latest):
+    """The same, of these programs on these heights, measured where it is not known."""
     limit_s = QUICK_LIMIT_S if args.quick else LIMIT_S
-    for contender in CONTENDERS:
-        if args.draw_only:
-            record = latest.get((terrain.name, contender.name))
-        else:
-            key = digest(contender.name, repr(error_m), limit_s, fingerprint, tools_digest(contender.tools))
-            record = memo.get(key)
-            if record is None:
-                figures = meet(contender, raster, error_m, map_of(terrain, contender), limit_s)
-                print(f"  {terrain.name}, {contender.name}: {atlas_page.said(figures)}", file=sys.stderr, flush=True)
-                record = memo.put(key, {"terrain": terrain.name, "method": contender.name, "error_m": error_m, **figures})
-        if record is None:
-            sys.exit(f"scripts/atlas: {terrain.name} by {contender.name} was never measured; run without --draw-only")
-        rows[contender.name] = record
-    return rows
+    rasters = {t: terrains.raster_of(t, args.data) for t in which}
+    errors_m = {t: terrains.error_of(t, rasters[t]) for t in which}
+    keys = {}
+    for terrain, raster in rasters.items():
+        fingerprint = digest(terrains.fingerprint(raster))
+        for c in CONTENDERS:
+            keys[terrain, c] = digest(c.name, repr(errors_m[terrain]), limit_s, fingerprint, tools_digest(c.tools))
+    missing = [place for place, key in keys.items() if memo.get(key) is None]
+    progress = Progress(len(keys), {(t, c): latest.get((t.name, c.name), {}).get("wall_seconds", TYPICAL_S) for t, c in missing})
+    for terrain, contender in missing:
+        progress.begin((terrain, contender), f"{terrain.name}, {contender.name}")
+        begun = time.monotonic()
+        figures = meet(contender, rasters[terrain], errors_m[terrain], map_of(terrain, contender), limit_s)
+        print(f"    {atlas_page.said(figures)}", file=sys.stderr, flush=True)
+        memo.put(keys[terrain, contender], {"terrain": terrain.name, "method": contender.name, "error_m": errors_m[terrain], **figures,
+                                            "wall_seconds": round(time.monotonic() - begun, 3)})
+    return {t: {c.name: memo.get(keys[t, c]) for c in CONTENDERS} for t in which}
 
 
 def main():
@@ -62,7 +75,7 @@ def main():
     CACHE.mkdir(parents=True, exist_ok=True)
     memo = Memo(MEMO)
     latest = {(r["terrain"], r["method"]): r for r in memo.records.values()}
-    atlas = {t: rows_of(t, args, memo, latest) for t in chosen(args)}
+    atlas = known(chosen(args), latest) if args.draw_only else measured(chosen(args), args, memo, latest)
 
     partly = args.quick or args.only
     page = terrains.FOLDER / "stability.md" if partly else ROOT / "docs" / "stability.md"
@@ -78,4 +91,8 @@ def main():
         sys.exit("scripts/atlas: tintree breaks its own bound:\n  " + "\n  ".join(broken))
 
 
-main()
+try:
+    main()
+except KeyboardInterrupt:
+    print("\nscripts/atlas: stopped; the same command goes on from here", file=sys.stderr)
+    sys.exit(5)

@@ -58,6 +58,21 @@ class Raster:
         return np.where(valid, heights, 0), valid
 
 
+def made(path, make):
+    """`path`, and that make(partial path) has made it: a run that is stopped leaves no half of a file behind."""
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial = path.with_name(f"partial_{path.name}")
+        make(partial)
+        partial.rename(path)
+    return path
+
+
+def cut(path, source, window):
+    """A window (column, row, columns, rows) of a raster as a file of its own."""
+    return made(path, lambda partial: gdal.Translate(str(partial), str(source), srcWin=list(window)))
+
+
 def whole(data, name):
     return Raster(name, Path(data) / DEMS[name])
 
@@ -66,33 +81,34 @@ def crop(data, name, columns=CROP_SIDE, rows=CROP_SIDE):
     """A window of a DEM as a file of its own."""
     column0, row0 = CROPS[name] if columns == CROP_SIDE else (0, 0)
     path = CACHE / f"{name}_{columns}x{rows}.tif"
-    if not path.exists():
-        gdal.Translate(str(path), str(Path(data) / DEMS[name]), srcWin=[column0, row0, columns, rows])
+    cut(path, Path(data) / DEMS[name], (column0, row0, columns, rows))
     return Raster(f"{name} {columns}²" if columns == rows else f"{name} {columns}x{rows}", path)
 
 
 def raw_heights(raster):
     """The samples as 64-bit floats, NaN for none, for the programs that take an array."""
-    path = CACHE / f"{raster.path.stem}.f64"
-    if not path.exists():
+
+    def write(partial):
         heights, valid = raster.heights()
-        np.where(valid, heights.astype(np.float64), np.nan).tofile(path)
-    return path
+        np.where(valid, heights.astype(np.float64), np.nan).tofile(partial)
+
+    return made(CACHE / f"{raster.path.stem}.f64", write)
 
 
 def _flipped_copies(source):
     """The DEM as it is and mirrored in x, y and both: {(x, y): path}."""
     copies = {(0, 0): source.path.resolve()}
-    for flip in ((1, 0), (0, 1), (1, 1)):
-        path = CACHE / f"{source.name}_flipped_{flip[0]}{flip[1]}.tif"
-        copies[flip] = path
-        if path.exists():
-            continue
+
+    def write(partial, flip):
         heights = gdal.Open(str(source.path)).ReadAsArray()[:: -1 if flip[1] else 1, :: -1 if flip[0] else 1]
         options = ["TILED=YES", "COMPRESS=DEFLATE", "PREDICTOR=2"]
         driver = gdal.GetDriverByName("GTiff")
-        copy = driver.Create(str(path), heights.shape[1], heights.shape[0], 1, gdal.GDT_Int16, options)
+        copy = driver.Create(str(partial), heights.shape[1], heights.shape[0], 1, gdal.GDT_Int16, options)
         copy.GetRasterBand(1).WriteArray(heights)
+
+    for flip in ((1, 0), (0, 1), (1, 1)):
+        path = CACHE / f"{source.name}_flipped_{flip[0]}{flip[1]}.tif"
+        copies[flip] = made(path, lambda partial, flip=flip: write(partial, flip))
     return copies
 
 

@@ -12,11 +12,15 @@ def run(results, data, quick, large):
     for raster in rasters:
         for effort, options in list(tintree.efforts().items())[: 1 if quick else None]:
             for limit in LIMITS_MIB:
-                report, cost = tintree.build(raster, "--memory", str(limit), *options)
-                results.add("memory", data=raster.name, columns=raster.size[0], rows=raster.size[1], limit_mib=limit,
-                            method=f"tintree {effort}", peak_rss_bytes=cost.peak_rss_bytes, seconds=report["seconds"],
-                            digest=report["digest"], command=cost.command)
+                results.once("memory", lambda o=("--memory", str(limit), *options): _figures(raster, o), data=raster.name,
+                             columns=raster.size[0], rows=raster.size[1], limit_mib=limit, method=f"tintree {effort}")
     print_tables(results)
+
+
+def _figures(raster, options):
+    report, cost = tintree.build(raster, *options)
+    return {"peak_rss_bytes": cost.peak_rss_bytes, "seconds": report["seconds"], "digest": report["digest"],
+            "command": cost.command}
 
 
 def print_tables(results):

@@ -20,27 +20,34 @@ def run(results, data, quick):
         spacing = whole(data, name).mean_spacing_m
         raster = crop(data, name)
         for spacings in QUICK_ERRORS if quick else ERRORS:
-            for method, figures in _rows(raster, spacings * spacing, not quick and spacings == SLOW_RIVALS_ERROR):
-                if "bytes" in figures:
-                    figures["bits_per_sample"] = 8 * figures["bytes"] / raster.samples
-                results.add("quality", data=raster.name, spacings=spacings, error_m=spacings * spacing, method=method, **figures)
+            _measure_all(results, raster, spacings, spacings * spacing, not quick and spacings == SLOW_RIVALS_ERROR)
     print_tables(results)
 
 
-def _rows(raster, error_m, slow_too):
+def _measure_all(results, raster, spacings, error_m, slow_too):
+    def once(method, make):
+        def figures():
+            made = make()
+            return made | ({"bits_per_sample": 8 * made["bytes"] / raster.samples} if "bytes" in made else {})
+
+        return results.once("quality", figures, data=raster.name, spacings=spacings, error_m=error_m, method=method)
+
     for effort, options in tintree.efforts().items():
         for cut, tile in CUTS.items():
-            yield f"tintree {effort}, {cut}", leaf_level(raster, error_m, [*options, *tile])
+            once(f"tintree {effort}, {cut}", lambda o=(*options, *tile): leaf_level(raster, error_m, o))
     for rival in MESH_RIVALS:
         if rival.slow and not slow_too:
             continue
-        asked = simplify(rival, raster, error_m)
-        yield rival.name, asked
+        asked = once(rival.name, lambda r=rival: simplify(r, raster, error_m))
         if rival.fit and asked["samples_max_m"] > error_m:
-            fitted = largest_within(lambda e, r=rival: simplify(r, raster, e), error_m, error_m / 2, error_m / 256, error_m, 8)
-            yield f"{rival.name}, fitted", fitted or {"remark": "beyond the error whatever was asked"}
+            once(f"{rival.name}, fitted", lambda r=rival: _fitted(r, raster, error_m))
     for name in RASTER_CODERS:
-        yield name, code(name, raster, error_m)
+        once(name, lambda n=name: code(n, raster, error_m))
+
+
+def _fitted(rival, raster, error_m):
+    best = largest_within(lambda e: simplify(rival, raster, e), error_m, error_m / 2, error_m / 256, error_m, 8)
+    return best or {"remark": "beyond the error whatever was asked"}
 
 
 def leaf_level(raster, error_m, options):

@@ -2,14 +2,14 @@
 import argparse
 import json
 import math
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
 import exclusive
-from datasets import Raster
+from datasets import Raster, cut
 from memo import digest
-from osgeo import gdal
 from programs import BIN, CACHE, ROOT, run
 from results import Results, number, print_table
 
@@ -28,8 +28,7 @@ STEPS = {
     "in_picture": "parts of tiles outside the picture",
     "one_tile": "tiles: borders, and effort",
     "any_error": "levels: errors in steps of two",
-    "point_depth": "tiles taken at their box's nearest point",
-    "point_gain": "vertical gain of the picture's worst corner",
+    "fewest": "a tile taken at the place where errors show most",
 }
 
 
@@ -53,9 +52,7 @@ QUICK_SIDE = 2049
 def raster_of(name, data, quick):
     flight = FLIGHTS[name]
     columns, rows = (min(QUICK_SIDE, side) if quick else side for side in (flight.columns, flight.rows))
-    path = CACHE / f"scene_{name}_{columns}x{rows}.tif"
-    if not path.exists():
-        gdal.Translate(str(path), str(Path(data) / flight.file), srcWin=[flight.column, flight.row, columns, rows])
+    path = cut(CACHE / f"scene_{name}_{columns}x{rows}.tif", Path(data) / flight.file, (flight.column, flight.row, columns, rows))
     return Raster(f"{name} {columns} x {rows}", path)
 
 
@@ -64,6 +61,7 @@ def tree_of(raster, error_m, *options):
     version = digest(BIN / "tintree-build", raster.path, options, repr(error_m))
     path = CACHE / f"{raster.path.stem}_{version}.tintree"
     if not path.exists():
+        print(f"  making {path.name}: error {number(error_m)} m {' '.join(options)}", file=sys.stderr, flush=True)
         run(BIN / "tintree-build", raster.path, "-o", path, "--error", repr(error_m), "--quiet", "--overwrite", *options)
     return path
 
@@ -111,11 +109,11 @@ def print_tables(results):
     records = results.of("scene")
     groups = {key: [r for r in records if (r["data"], r["method"]) == key] for key in dict.fromkeys((r["data"], r["method"]) for r in records)}
     rows = [[data, method, len(rs), number(median(r["tiles"] for r in rs), 3), number(median(r["drawn"] for r in rs)),
-             *spread(factors(rs, "full", "drawn")), *spread(factors(rs, "drawn", "point_depth")),
+             *spread(factors(rs, "full", "drawn")), *spread(factors(rs, "drawn", "fewest_level")), *spread(factors(rs, "drawn", "fewest")),
              number(max(r["max_error_px"] for r in rs), 3), f"{100 * max(r['beyond_ladder'] for r in rs):.0f} %"] for (data, method), rs in groups.items()]
     print_table("Triangles drawn at one pixel, against all that are in view and against the fewest that would do",
-                ["data", "tree", "views", "tiles, median", "triangles drawn, median", "full / drawn, median", "highest", "drawn / fewest, median",
-                 "highest", "largest error px", "extrapolated"], rows)
+                ["data", "tree", "views", "tiles, median", "triangles drawn, median", "full / drawn, median", "highest",
+                 "drawn / fewest by depth, median", "highest", "drawn / fewest, median", "highest", "largest error px", "extrapolated"], rows)
     names = ["drawn", *STEPS]
     rows = [[data, method, *(number(median(factors(rs, a, b)), 3) for a, b in zip(names, names[1:]))] for (data, method), rs in groups.items()]
     print_table("Factor that each thing costs (median of the views)", ["data", "tree", *STEPS.values()], rows)

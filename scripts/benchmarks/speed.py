@@ -28,13 +28,18 @@ def run(results, data, quick, large):
 
 
 def _measure(results, raster, effort, options, threads, repeats):
+    results.once("speed", lambda: _figures(raster, options, repeats), data=raster.name, method=f"tintree {effort}",
+                 threads=threads, runs=repeats)
+
+
+def _figures(raster, options, repeats):
     runs = [tintree.build(raster, *options) for _ in range(repeats)]
     report = runs[0][0]
     making = [level["thread_seconds"] for level in report["levels"]]
-    results.add("speed", data=raster.name, samples=raster.samples, method=f"tintree {effort}", threads=threads, runs=repeats,
-                seconds=median(r["seconds"] for r, _ in runs), cpu_seconds=median(c.cpu_seconds for _, c in runs),
-                upper_share=sum(making[:-1]) / sum(making), bytes=report["bytes"], peak_rss_bytes=runs[0][1].peak_rss_bytes,
-                digest=report["digest"], command=runs[0][1].command)
+    return {"samples": raster.samples, "seconds": median(r["seconds"] for r, _ in runs),
+            "cpu_seconds": median(c.cpu_seconds for _, c in runs), "upper_share": sum(making[:-1]) / sum(making),
+            "bytes": report["bytes"], "peak_rss_bytes": runs[0][1].peak_rss_bytes, "digest": report["digest"],
+            "command": runs[0][1].command}
 
 
 def print_tables(results):

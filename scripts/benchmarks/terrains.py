@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from osgeo import gdal, osr
 
-from datasets import Raster
+from datasets import Raster, made
 from programs import BENCH, run
 
 MAKE_TERRAIN = BENCH / "tests" / "make_terrain"
@@ -69,14 +69,14 @@ def real(data):
 
 def raster_of(terrain, data):
     """The terrain as a file of metres."""
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    path = FOLDER / f"{terrain.name}.tif"
-    if not path.exists():
+
+    def write(partial):
         if terrain.family == "real":
-            _write_window(path, WINDOWS[terrain.name], data)
+            _write_window(partial, WINDOWS[terrain.name], data)
         else:
-            run(MAKE_TERRAIN, terrain.name, path)
-    return Raster(terrain.name, path)
+            run(MAKE_TERRAIN, terrain.name, partial)
+
+    return Raster(terrain.name, made(FOLDER / f"{terrain.name}.tif", write))
 
 
 def _write_window(path, window, data):

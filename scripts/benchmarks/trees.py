@@ -15,16 +15,22 @@ def run(results, data, quick):
         for spacings in ERRORS:
             common = {"data": raster.name, "spacings": spacings, "error_m": spacings * spacing}
             for effort, options in tintree.efforts().items():
-                report, cost = tintree.build(raster, "--error", repr(spacings * spacing), *options)
-                results.add("trees", **common, method=f"tintree {effort}", bits_per_sample=report["bits_per_sample"],
-                            file_bits_per_sample=report["file_bits_per_sample"], vertices=report["vertices"],
-                            bits_per_vertex=8 * report["payload_bytes"] / report["vertices"],
-                            samples_max_m=report["levels"][-1]["vertical_max_m"], seconds=report["seconds"],
-                            command=cost.command)
+                results.once("trees", lambda o=options: _tree(raster, common["error_m"], o), **common, method=f"tintree {effort}")
             for coder in RASTER_CODERS:
-                figures = code(coder, raster, spacings * spacing)
-                results.add("trees", **common, method=coder, bits_per_sample=8 * figures["bytes"] / raster.samples, **figures)
+                results.once("trees", lambda c=coder: _coded(raster, common["error_m"], c), **common, method=coder)
     print_tables(results)
+
+
+def _tree(raster, error_m, options):
+    report, cost = tintree.build(raster, "--error", repr(error_m), *options)
+    return {"bits_per_sample": report["bits_per_sample"], "file_bits_per_sample": report["file_bits_per_sample"],
+            "vertices": report["vertices"], "bits_per_vertex": 8 * report["payload_bytes"] / report["vertices"],
+            "samples_max_m": report["levels"][-1]["vertical_max_m"], "seconds": report["seconds"], "command": cost.command}
+
+
+def _coded(raster, error_m, coder):
+    figures = code(coder, raster, error_m)
+    return {"bits_per_sample": 8 * figures["bytes"] / raster.samples, **figures}
 
 
 def _check_spacing(raster, spacing):

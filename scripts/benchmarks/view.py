@@ -60,7 +60,8 @@ def run_flights(results, args):
                     cache_hits=figures["cache_hits"], cache_misses=figures["cache_misses"],
                     late_tiles=figures["late_tiles"], late_frames=figures["late_frames"],
                     gpu_bytes=max(f["gpu_bytes"] for f in frames), cache_bytes=max(f["cache_bytes"] for f in frames),
-                    cost=compared["cost"], image=compared["image"], command=cost.command)
+                    cost=compared["cost"], image=compared["image"], occlusion=compared["occlusion"],
+                    command=cost.command)
     print_flights(results)
 
 
@@ -107,6 +108,15 @@ def print_flights(results):
     print_table(f"Every {EVERY}th frame against the surface, and against one static buffer of its triangles",
                 ["flight", "views", "crack px", "shift px", "drawn px", "allowed px", "violations", "frame ms",
                  "static ms", "frame/static"], rows)
+    rows = []
+    for r in results.of("view"):
+        off, pays, always = (r["occlusion"][way] for way in ("off", "where_it_pays", "always"))
+        rows.append([r["flight"], number(off["triangles"], 4), number(pays["triangles"], 4), number(always["hidden"], 3),
+                     ms(off["cpu_seconds"])] + [f"{way['cpu_seconds'] / off['cpu_seconds']:.3f}" for way in (pays, always)])
+        rows[-1] += [ms(way["choosing_cpu_seconds"]) for way in (off, pays, always)]
+    print_table("Looking for what nearer ground hides: processor time of a frame, all threads; and of choosing its tiles alone",
+                ["flight", "triangles without", "where it pays", "parts hidden", "ms without", "where it pays", "always",
+                 "choosing ms without", "where it pays", "always"], rows)
 
 
 def print_sizes(results):

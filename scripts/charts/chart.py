@@ -9,7 +9,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
 import draw
 import page
 import windows
-from cache import Cache, read_lines
+from memo import Memo, read_lines
 from panels import CHARTS
 from programs import BENCH, ROOT, shown
 from record import merged, write
@@ -37,7 +37,7 @@ def measured(args, charts):
     if not rasters:
         sys.exit(f"scripts/chart: no DEM of scripts/charts/windows.py in {args.data}; name the folder that has them: --data DIR")
     kinds = {panel.kind for chart in charts for panel in chart.panels}
-    sweep = Sweep(rasters, Cache(OWN / "cache.jsonl"))
+    sweep = Sweep(rasters, Memo(OWN / "cache.jsonl"))
     sweep.run(tasks(list(rasters), kinds, args.quick))
     return sweep
 

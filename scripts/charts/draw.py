@@ -16,6 +16,7 @@ from pareto import front
 from series import SERIES
 
 PANEL_WIDTH, PANEL_HEIGHT, MARGIN = 3.1, 2.6, 1.15  # inches
+OVERVIEW_COLUMNS, OVERVIEW_WIDTH = 2, 5.4
 LEAST_SPAN = 3  # of an axis, so that no difference looks larger than it is
 FRONT = {"color": "#cccccc", "linewidth": 4, "solid_capstyle": "round", "solid_joinstyle": "round", "zorder": 1}
 RING = {"marker": "o", "markersize": 10, "markerfacecolor": "none", "markeredgecolor": "black", "markeredgewidth": 0.8}
@@ -57,26 +58,38 @@ def _legend(figure, shown, marks_front):
     figure.legend(handles=handles, loc="lower center", ncol=min(6, len(handles)), frameon=False, fontsize=9)
 
 
-def _chart(chart, records, path):
+def _layout(chart, records):
+    """Rows of (panel, terrain)."""
+    if chart.terrain:
+        cells = [(panel, chart.terrain) for panel in chart.panels]
+        return [cells[i : i + OVERVIEW_COLUMNS] for i in range(0, len(cells), OVERVIEW_COLUMNS)]
     kinds = {panel.kind for panel in chart.panels}
     terrains = list(dict.fromkeys(r["data"] for r in records if r["kind"] in kinds))
-    rows, columns = len(chart.panels), len(terrains)
+    return [[(panel, terrain) for terrain in terrains] for panel in chart.panels]
+
+
+def _chart(chart, records, path):
+    layout = _layout(chart, records)
+    rows, columns = len(layout), len(layout[0])
     height = PANEL_HEIGHT * rows + MARGIN
-    figure, grid = plt.subplots(rows, columns, figsize=(PANEL_WIDTH * columns, height), sharey="row", squeeze=False)
+    width = (OVERVIEW_WIDTH if chart.terrain else PANEL_WIDTH) * columns
+    figure, grid = plt.subplots(rows, columns, figsize=(width, height), sharey=False if chart.terrain else "row", squeeze=False)
     shown = set()
-    for row, panel in zip(grid, chart.panels):
-        row[0].set_ylabel(panel.y.label)
-        for axes, terrain in zip(row, terrains):
+    for i, (row, cells) in enumerate(zip(grid, layout)):
+        for j, (axes, (panel, terrain)) in enumerate(zip(row, cells)):
             by_series = points(panel, records, terrain)
             shown |= set(by_series)
             axes.set_visible(bool(by_series))
-            _panel(axes, panel, by_series)
+            if chart.terrain or j == 0:
+                axes.set_ylabel(panel.y.label)
+            if i == 0 and not chart.terrain:
+                axes.set_title(terrain)
+            if by_series:
+                _panel(axes, panel, by_series)
         for axes in row:
             axes.set(xlim=_limits(*axes.get_xlim()), ylim=_limits(*axes.get_ylim()))
             _ticks(axes.xaxis, axes.get_xlim())
             _ticks(axes.yaxis, axes.get_ylim())
-    for axes, terrain in zip(grid[0], terrains):
-        axes.set_title(terrain)
     _legend(figure, shown, any(panel.front for panel in chart.panels))
     figure.suptitle(chart.title, fontsize=12, fontweight="bold", y=1 - 0.12 / height)
     figure.tight_layout(rect=(0, 0.62 / height, 1, 1 - 0.02 / height))
@@ -88,7 +101,7 @@ def charts(which, records, folder, suffix=".svg"):
     """Draws those of the charts that the records have figures for; returns the files."""
     files = []
     for chart in which:
-        if any(points(panel, records, r["data"]) for panel in chart.panels for r in records):
+        if any(points(panel, records, terrain) for row in _layout(chart, records) for panel, terrain in row):
             files.append((folder / chart.file).with_suffix(suffix))
             _chart(chart, records, files[-1])
     return files

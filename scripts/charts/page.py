@@ -48,7 +48,7 @@ def _factors(chart, records, terrains):
 def _section(chart, folder, records, terrains):
     if not (folder / chart.file).exists():
         return ""
-    compared = all(panel.front for panel in chart.panels) and len(chart.panels) > 1
+    compared = all(panel.front for panel in chart.panels) and len(chart.panels) > 1 and not chart.terrain
     return f"## {chart.title}\n{chart.about}\n\n![{chart.title}]({chart.file})\n{_factors(chart, records, terrains) if compared else ''}\n" \
            f"Made by `scripts/chart --only {chart.name}`.\n\n"
 

@@ -1,4 +1,5 @@
-"""Which charts there are: a chart is a row of panels for each error measure, a column for each terrain."""
+"""Which charts there are: a chart is a row of panels for each error measure, a column for each terrain; or panels side by side
+of one terrain."""
 from dataclasses import dataclass
 from typing import Callable
 
@@ -30,6 +31,7 @@ class Chart:
     title: str
     about: str
     panels: tuple
+    terrain: str = ""  # the panels side by side, of this one alone
 
     @property
     def file(self):
@@ -45,23 +47,29 @@ def _against_errors(name, title, about, y, kind="level"):
     return Chart(name, title, about, (Panel(kind, MAXIMUM, y), Panel(kind, RMS, y)))
 
 
+BYTES = Axis("bytes a sample", _field("bytes_per_sample"))
+BUILD = Axis("making it, processor s", _field("seconds"))
+DECODE = Axis("reading it, processor ms", _field("decode_seconds", 1e3))
+FRAME = Axis("drawing it, processor ms a frame", _field("frame_seconds", 1e3))
+
 CHARTS = {chart.name: chart for chart in (
+    Chart("overview", "All methods at a glance: the Sierra Nevada", "One level of one terrain against its largest error; the charts below "
+          "say how each is measured.",
+          (Panel("level", MAXIMUM, BYTES), Panel("level", MAXIMUM, BUILD), Panel("level", MAXIMUM, DECODE), Panel("frame", MAXIMUM, FRAME)),
+          terrain="california"),
     _against_errors("bytes", "Bytes", "One level of the terrain: of a tree its leaves as stored, of other meshes the same coder "
-                    "(Draco) over the whole mesh, of rasters the coded file.",
-                    Axis("bytes a sample", _field("bytes_per_sample"))),
+                    "(Draco) over the whole mesh, of rasters the coded file.", BYTES),
     _against_errors("vertices", "Vertices", "Of the same meshes; raster coders have none.", Axis("vertices", _field("vertices"))),
     _against_errors("build", "Making it", "Processor seconds of one thread: of the simplification or coding alone (JPEG 2000: of the "
-                    "last step of its search), of a tree its leaves' share of the whole build, reading and measuring included.",
-                    Axis("processor s", _field("seconds"))),
+                    "last step of its search), of a tree its leaves' share of the whole build, reading and measuring included.", BUILD),
     _against_errors("decode", "Reading it", "Processor time: of a tree's leaves from file to checked meshes, of other meshes Draco's, "
-                    "of rasters GDAL's (JPEG-LS: CharLS's). The least of several.",
-                    Axis("processor ms", _field("decode_seconds", 1e3))),
+                    "of rasters GDAL's (JPEG-LS: CharLS's). The least of several.", DECODE),
     _against_errors("frame", "Drawing it", "Processor time of all threads for a picture of 1280 x 720 pixels of the whole level, drawn "
                     "in software (llvmpipe) by tintree-view, which draws trees alone.",
-                    Axis("processor ms a frame", _field("frame_seconds", 1e3)), kind="frame"),
+                    FRAME, kind="frame"),
     Chart("screen", "Error on the screen against time", "The same picture at --pixel-error 0.25 to 8, of trees within a tenth of a "
           "sample spacing in tiles of 64 cells. The error is the largest that a drawn tile has.",
-          (Panel("view", Axis("processor ms a frame", _field("frame_seconds", 1e3)), Axis("largest error, pixels", _field("max_error_px"))),)),
+          (Panel("view", FRAME, Axis("largest error, pixels", _field("max_error_px"))),)),
     Chart("memory", "Memory against the error allowed", "Largest resident memory of the program that makes the level (rasters: not "
           "measured, they are coded inside the benchmark), and of tintree-view with software OpenGL.",
           (Panel("level", ASKED, Axis("making it, MiB", _field("peak_rss_bytes", MIB)), front=False),

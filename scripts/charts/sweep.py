@@ -3,12 +3,12 @@ import sys
 import time
 from dataclasses import dataclass
 
-import cache
 import frames
 import measure
+import memo
 import windows
 from programs import cpu_name
-from results import number
+from progress import Progress
 from series import SERIES
 
 ERRORS = (0.1, 0.2, 0.5, 1, 2, 4)  # sample spacings
@@ -66,13 +66,13 @@ class Sweep:
         self.done, self.failed = [], []
 
     def _level_key(self, task):
-        return cache.key(task.series.programs, [self.rasters[task.window].path], kind=task.series.kind, series=task.series.name,
+        return memo.key(task.series.programs, [self.rasters[task.window].path], kind=task.series.kind, series=task.series.name,
                          options=task.series.options, spacings=task.spacings)
 
     def key(self, task):
         if task.kind == "level":
             return self._level_key(task)
-        return cache.key(frames.PROGRAMS, [], tree=self._tree_key(task), pixel_error=task.pixel_error, size=frames.SIZE)
+        return memo.key(frames.PROGRAMS, [], tree=self._tree_key(task), pixel_error=task.pixel_error, size=frames.SIZE)
 
     def _tree_key(self, task):
         return self._level_key(task) + ("" if task.kind == "frame" else f"-{measure.VIEW_TILE}")
@@ -99,17 +99,10 @@ class Sweep:
         keys = {task: self.key(task) for task in planned}
         missing = [task for task in planned if self.store.get(keys[task]) is None]
         missing.sort(key=lambda task: task.series.seconds)  # the slow ones last
-        expected = {task: self._expected_seconds(task) for task in missing}
-        print(f"{len(planned)} measurements, {len(planned) - len(missing)} of them done before; about "
-              f"{_duration(sum(expected.values()))}", file=sys.stderr)
-        begun, remaining, passed = time.monotonic(), sum(expected.values()), 0.0
-        for i, task in enumerate(missing):
-            pace = (time.monotonic() - begun) / passed if passed > 20 else 1.0
-            print(f"[{i + 1}/{len(missing)}] {task.text()}; {_duration(time.monotonic() - begun)} passed, about "
-                  f"{_duration(pace * remaining)} to go", file=sys.stderr, flush=True)
+        progress = Progress(len(planned), {task: self._expected_seconds(task) for task in missing})
+        for task in missing:
+            progress.begin(task, task.text())
             self._measure(task, keys[task])
-            remaining -= expected[task]
-            passed += expected[task]
         self.done = [self.store.get(keys[task]) for task in planned if self.store.get(keys[task])]
 
     def _measure(self, task, key):
@@ -120,9 +113,5 @@ class Sweep:
             print(f"    failed: {error}", file=sys.stderr)
             self.failed.append(f"{task.text()}: {error}")
             return
-        self.store.add({"key": key, **task.name, **figures, "date": time.strftime("%Y-%m-%d"), "machine": cpu_name(),
-                        "wall_seconds": round(time.monotonic() - start, 3)})
-
-
-def _duration(seconds):
-    return f"{number(seconds, 2)} s" if seconds < 100 else f"{seconds / 60:.1f} min"
+        self.store.put(key, {**task.name, **figures, "date": time.strftime("%Y-%m-%d"), "machine": cpu_name(),
+                             "wall_seconds": round(time.monotonic() - start, 3)})

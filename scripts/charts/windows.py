@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from osgeo import gdal, osr
 
-from datasets import Raster
+from datasets import Raster, made
 from programs import CACHE
 
 gdal.UseExceptions()
@@ -50,21 +50,18 @@ def raster(window, data, side):
     source = Path(data) / window.file
     if not source.exists():
         return None
-    path = CACHE / f"chart_{window.name}_{side}.tif"
-    if not path.exists():
-        CACHE.mkdir(parents=True, exist_ok=True)
-        memory, heights = _heights(window, source, side)
-        transform, srs = memory.GetGeoTransform(), memory.GetSpatialRef()
-        if window.scale != 1:
-            heights = heights.astype(float) * (window.unit_m * window.scale)
-            spacing = window.pixel_m * window.scale
-            transform, srs = (500000, spacing, 0, 4000000, 0, -spacing), osr.SpatialReference()
-            srs.ImportFromEPSG(32610)
-        partial = path.with_suffix(".partial.tif")
-        out = gdal.GetDriverByName("GTiff").Create(str(partial), side, side, 1, gdal.GDT_Int16, options=["COMPRESS=DEFLATE"])
-        out.SetGeoTransform(transform)
-        out.SetSpatialRef(srs)
-        out.GetRasterBand(1).WriteArray(np.rint(heights).astype(np.int16))
-        out = None
-        partial.rename(path)
-    return Raster(window.name, path)
+    return Raster(window.name, made(CACHE / f"chart_{window.name}_{side}.tif", lambda partial: _write(window, source, side, partial)))
+
+
+def _write(window, source, side, path):
+    memory, heights = _heights(window, source, side)
+    transform, srs = memory.GetGeoTransform(), memory.GetSpatialRef()
+    if window.scale != 1:
+        heights = heights.astype(float) * (window.unit_m * window.scale)
+        spacing = window.pixel_m * window.scale
+        transform, srs = (500000, spacing, 0, 4000000, 0, -spacing), osr.SpatialReference()
+        srs.ImportFromEPSG(32610)
+    out = gdal.GetDriverByName("GTiff").Create(str(path), side, side, 1, gdal.GDT_Int16, options=["COMPRESS=DEFLATE"])
+    out.SetGeoTransform(transform)
+    out.SetSpatialRef(srs)
+    out.GetRasterBand(1).WriteArray(np.rint(heights).astype(np.int16))

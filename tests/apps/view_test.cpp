@@ -199,14 +199,18 @@ TEST_F(ViewProgram, FliesAndWritesFramesAndFigures) {
     EXPECT_EQ(figures.at("frames").size(), 3U);
     EXPECT_EQ(figures.at("late_frames"), 0);
     EXPECT_LE(figures.at("frame_seconds_median"), figures.at("frame_seconds_worst"));
-    std::uint64_t triangles = 0;
+    std::uint64_t triangles = 0, culled = 0, occluded = 0;
     for (const auto& f : figures.at("frames")) {
       EXPECT_GT(f.at("triangles").get<int>(), 100);
       EXPECT_EQ(f.at("late_tiles"), 0);
       EXPECT_EQ(f.at("tiles"), f.at("wanted_tiles"));
+      culled += f.at("frustum_culled").get<std::uint64_t>();
+      occluded += f.at("occluded").get<std::uint64_t>();
       triangles += f.at("triangles").get<std::uint64_t>();
     }
     EXPECT_EQ(figures.at("triangles"), triangles);
+    EXPECT_EQ(figures.at("frustum_culled"), culled);
+    EXPECT_EQ(figures.at("occluded"), occluded);
     EXPECT_FALSE(std::filesystem::exists(frames + "/frame-000003.png"));
     pictures.push_back(test::read_file(frames + "/frame-000002.png"));
   }

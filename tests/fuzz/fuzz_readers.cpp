@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "cache/manifest.h"
 #include "cache/tile_bounds.h"
@@ -37,12 +38,13 @@ void read_wavelet_payload(std::span<const std::byte> bytes) {
   }
 }
 
-/// What decodes and validates has to survive being encoded again.
-void read_payload(std::span<const std::byte> bytes) {
-  const codec::MeshCodec& codec = *codec::find_codec("tin");
+/// What decodes and validates has to survive being encoded again; what the others' payloads hold may turn out not to be
+/// a mesh of theirs then.
+void read_payload(const char* method, std::span<const std::byte> bytes) {
+  const codec::MeshCodec& codec = *codec::find_codec(method);
   const auto mesh = codec.decode(bytes);
   if (!mesh || !codec::validate(*mesh, kCells)) return;
-  if (!mesh->triangles.empty() && !codec.encode(*mesh)) std::abort();
+  if (!mesh->triangles.empty() && !codec.encode(*mesh) && std::string_view(method) == "tin") std::abort();
 }
 
 void read_manifest(std::span<const std::byte> bytes) {
@@ -62,9 +64,9 @@ void read_bounds(std::span<const std::byte> bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const auto bytes = std::as_bytes(std::span(data, size)).subspan(1);
-  switch (data[0] % 4) {
+  switch (data[0] % 7) {
     case 0:
-      read_payload(bytes);
+      read_payload("tin", bytes);
       break;
     case 1:
       read_manifest(bytes);
@@ -72,8 +74,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     case 2:
       read_wavelet_payload(bytes);
       break;
-    default:
+    case 3:
       read_bounds(bytes);
+      break;
+    case 4:
+      read_payload("strip", bytes);
+      break;
+    case 5:
+      read_payload("nested", bytes);
+      break;
+    default:
+      read_payload("scalar", bytes);
   }
   return 0;
 }

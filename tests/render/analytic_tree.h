@@ -13,6 +13,7 @@
 
 #include "cache/tile_store.h"
 #include "codec/mesh_codec.h"
+#include "codec/texture_codec.h"
 
 namespace tintree::test {
 
@@ -28,6 +29,9 @@ struct AnalyticTree {
   std::function<double(double x_m, double y_m)> height_m = [](double x, double y) {
     return 60 * std::sin(x / 170) * std::cos(y / 130) + 25 * std::sin(x / 41 + y / 57);
   };
+
+  /// The sRGB colour of all texels of a tile's texture; without it there are no textures.
+  std::function<std::array<std::uint8_t, 3>(const codec::TileId&)> color;
 
   /// Where there is no ground: a cell of a mesh is left out when its middle lies there.
   std::function<bool(double x_m, double y_m)> hole;
@@ -164,8 +168,26 @@ struct AnalyticTree {
     return {layout(), infos};
   }
 
+  static constexpr int kTextureSize = 16;
+
+  std::vector<std::byte> texture(const codec::TileId& id) const {
+    codec::ColorImage image(kTextureSize + 1);
+    const auto [red, green, blue] = color(id);
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+      image.rgba[i] = red;
+      image.rgba[i + 1] = green;
+      image.rgba[i + 2] = blue;
+      image.rgba[i + 3] = 255;
+    }
+    return *codec::find_texture_codec("bc1")->encode(image);
+  }
+
   void write(const std::string& path) const {
     cache::Manifest manifest;
+    if (color) {
+      manifest.texture_size = kTextureSize;
+      manifest.texture_codec = "bc1";
+    }
     manifest.layout = layout();
     manifest.geotransform = geotransform;
     auto writer = cache::TileWriter::create(path, manifest);
@@ -176,6 +198,9 @@ struct AnalyticTree {
       ASSERT_TRUE(payload) << payload.error().text();
       const auto put = writer->put({info(id, m), *payload});
       ASSERT_TRUE(put) << put.error().text();
+      if (!color) continue;
+      const auto put_texture = writer->put_picture(cache::PictureKind::kTexture, id, texture(id));
+      ASSERT_TRUE(put_texture) << put_texture.error().text();
     }
     const auto digest = writer->finish();
     ASSERT_TRUE(digest) << digest.error().text();

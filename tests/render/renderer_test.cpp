@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "render/frustum.h"
+#include "render/screen_error.h"
 #include "render/terrain_scene.h"
 #include "tests/render/osmesa_test.h"
 #include "tests/render/analytic_tree.h"
@@ -107,7 +108,7 @@ LodCut split_cut(const cache::TileBounds& bounds, const Camera& camera) {
     const cache::Box box = bounds.box(bounds.nodes()[node]);
     cut.draws.push_back({0, node, 0, frustum.nearest_depth_m(box), frustum.farthest_depth_m(box), false});
     const auto error = static_cast<double>(bounds.nodes()[node].lod_error_m);
-    cut.max_error_px = std::max(cut.max_error_px, projected_error_px(error, cut.draws.back().nearest_m, camera));
+    cut.max_error_px = std::max(cut.max_error_px, ScreenError(camera).bound_px(box, error).value_or(0));
     cut.farthest_m = std::max(cut.farthest_m, cut.draws.back().farthest_m);
   };
   for (std::uint32_t y = 0; y < 2; ++y) {

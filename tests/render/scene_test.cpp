@@ -184,24 +184,31 @@ TEST_F(SceneTest, HolesNeverShowWhileTilesCome) {
   EXPECT_GT(incomplete, 3);
 }
 
+// With overlays, too, which are as large as several tiles.
 TEST_F(SceneTest, NothingIsAllocatedOnceTheMemoryIsFull) {
   const cache::TileStore store = tree({0, 0, 257, 257});
-  SceneOptions options;
-  options.cut.pixel_error = 0;
-  options.gpu_bytes = std::size_t{1} << 20;
-  options.cache_bytes = std::size_t{2} << 20;
-  const auto s = scene({&store}, options);
-  std::size_t largest = 0;
-  for (int i = 0; i < 60; ++i) {
-    const double x = 100 + 80.0 * (i % 20);
-    const double y = -300 - 30.0 * i;
-    const Camera c = camera({x, y, 200}, {x, y - 1, 0});
-    ASSERT_TRUE(s->settle(c));
-    EXPECT_LE(s->pool().bytes(), s->pool().reserved_bytes());
-    EXPECT_LE(s->pool().reserved_bytes(), options.gpu_bytes);
-    if (i == 20) largest = s->pool().reserved_bytes();
-    if (i > 20) {
-      EXPECT_EQ(s->pool().reserved_bytes(), largest);
+  for (const bool morph : {false, true}) {
+    SceneOptions options;
+    options.cut = {.pixel_error = 0, .morph = morph};
+    options.gpu_bytes = (morph ? std::size_t{3} : std::size_t{1}) << 20;
+    options.cache_bytes = std::size_t{2} << 20;
+    const auto s = scene({&store}, options);
+    std::size_t largest = 0;
+    for (int i = 0; i < 60; ++i) {
+      const double x = 100 + 80.0 * (i % 20);
+      const double y = -300 - 30.0 * i;
+      const Camera c = camera({x, y, 200}, {x, y - 1, 0});
+      const auto cut = s->settle(c);
+      ASSERT_TRUE(cut);
+      std::size_t bytes = 0;
+      for (const DrawTile& d : cut->draws) bytes += s->cache().get({s->bounds().nodes()[d.node].id})->bytes();
+      EXPECT_GE(s->pool().bytes(), bytes / 2) << "everything that is drawn counts";
+      EXPECT_LE(s->pool().bytes(), s->pool().reserved_bytes());
+      EXPECT_LE(s->pool().reserved_bytes(), options.gpu_bytes);
+      if (i == 20) largest = s->pool().reserved_bytes();
+      if (i > 20) {
+        EXPECT_EQ(s->pool().reserved_bytes(), largest);
+      }
     }
   }
 }

@@ -67,7 +67,7 @@ TEST(SampleTiles, MakesTheTilesThatABuildMakes) {
           std::shared_ptr<const cache::RasterSource>(&terrain.surface->blocks().source(), [](const auto*) {}), 1 << 24),
       manifest, nullptr);
   ASSERT_TRUE(sampled.has_value()) << sampled.error().text();
-  const auto maker = make_tile_maker("tin", *terrain.surface, manifest.layout);
+  const auto maker = make_tile_maker(manifest, *terrain.surface);
   std::size_t compared = 0;
   for (const LevelSample& level : *sampled) {
     for (const SampledTile& tile : level.sample) {

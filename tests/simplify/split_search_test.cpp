@@ -31,7 +31,7 @@ struct Window {
   LevelGrid level;
   std::int64_t column0;
   std::int64_t row0;
-  SplitFlags flags;
+  codec::SplitFlags flags;
 
   Window(const Terrain& terrain, const LevelGrid& grid, std::int64_t tile_x, std::int64_t tile_y)
       : level(grid), column0(tile_x * grid.cells - ring()), row0(tile_y * grid.cells - ring()), flags([&] {
@@ -83,9 +83,9 @@ void expect_closed(const Window& w) {
   EXPECT_EQ(open, 0) << "triangles that are split but do not exist";
 }
 
-/// Both windows decide alike wherever it matters to either tile: up to a square's side beyond the common side.
+/// Both windows decide alike wherever it matters to either tile: up to half a square's side beyond the common side.
 void expect_agreement(const Window& a, const Window& b) {
-  const std::int64_t reach = a.level.square();
+  const std::int64_t reach = a.level.square() / 2;
   const auto own = [&](const Window& w, bool east) { return (east ? w.column0 : w.row0) + w.ring(); };
   // Each tile's square, widened; both together.
   const std::int64_t west = std::max(own(a, true), own(b, true)) - reach;

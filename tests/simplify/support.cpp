@@ -231,8 +231,8 @@ TriangleList triangle_list(const codec::TileMesh& mesh) {
   return out;
 }
 
-void expect_codec_keeps(const codec::TileMesh& mesh) {
-  const codec::MeshCodec& codec = *codec::find_codec("tin");
+void expect_codec_keeps(const codec::TileMesh& mesh, const std::string& method) {
+  const codec::MeshCodec& codec = *codec::find_codec(method);
   const auto bytes = codec.encode(mesh);
   ASSERT_TRUE(bytes.has_value()) << bytes.error().text();
   const auto decoded = codec.decode(*bytes);
@@ -341,14 +341,14 @@ void expect_sound_mesh(const HeightGrid& grid, const codec::TreeLayout& layout, 
 }
 
 void expect_sound_tile(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id,
-                       const codec::TileMesh& mesh) {
+                       const codec::TileMesh& mesh, const std::string& method) {
   SCOPED_TRACE("tile " + id.text());
   if (half_cells(grid, layout.cells(id)) == 0) {
     EXPECT_TRUE(mesh.triangles.empty());
     return;
   }
   expect_sound_mesh(grid, layout, id, mesh);
-  expect_codec_keeps(mesh);
+  expect_codec_keeps(mesh, method);
   if (testing::Test::HasFatalFailure()) return;
   const Overlay found = overlay(grid, layout, id, mesh);
   EXPECT_LE(found.coverage_error, 1e-9);

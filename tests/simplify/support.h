@@ -62,7 +62,7 @@ void expect_sound_mesh(const HeightGrid& grid, const codec::TreeLayout& layout, 
 /// Everything that a tile promises: a sound mesh, or none where there is no surface, exact coverage, vertical
 /// distance within the bound, a codec that keeps it.
 void expect_sound_tile(const HeightGrid& grid, const codec::TreeLayout& layout, const codec::TileId& id,
-                       const codec::TileMesh& mesh);
+                       const codec::TileMesh& mesh, const std::string& method = "tin");
 
 /// Half cells of the reference surface in a rectangle.
 std::int64_t half_cells(const HeightGrid& grid, const codec::CellRect& cells);

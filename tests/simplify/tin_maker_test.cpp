@@ -168,8 +168,8 @@ TEST(TinMaker, RefusesReliefThatTheFormatCannotHold) {
 TEST(TileMaker, IsFoundByItsName) {
   const Terrain terrain = test::make_terrain(9, 9, [](int, int) { return 5.0; });
   const codec::TreeLayout layout = test::make_layout(terrain, 8, 1);
-  EXPECT_NE(make_tile_maker("tin", *terrain.surface, layout), nullptr);
-  EXPECT_EQ(make_tile_maker("tun", *terrain.surface, layout), nullptr);
+  EXPECT_NE(make_tile_maker({.method = "tin", .layout = layout}, *terrain.surface), nullptr);
+  EXPECT_EQ(make_tile_maker({.method = "tun", .layout = layout}, *terrain.surface), nullptr);
 }
 
 /// Crops of real elevation models, where the checkout has them.

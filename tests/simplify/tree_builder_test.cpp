@@ -99,6 +99,12 @@ TEST_F(TreeBuilderTest, GivesTheSameTreeWithAnyNumberOfThreads) {
   for (const int threads : {2, 4}) EXPECT_EQ(digest_with(threads), one) << threads;
 }
 
+TEST_F(TreeBuilderTest, GivesTheSameStripsWithAnyNumberOfThreads) {
+  manifest_.method = "strip";
+  const std::string one = digest_with(1);
+  for (const int threads : {2, 4}) EXPECT_EQ(digest_with(threads), one) << threads;
+}
+
 TEST_F(TreeBuilderTest, GoesOnAfterAStop) {
   const std::string whole = digest_with(2);
   std::uint64_t steps = 0;

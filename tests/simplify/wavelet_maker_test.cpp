@@ -66,7 +66,7 @@ TEST(WaveletMaker, ATileIsAFunctionOfTheSamples) {
   for (const codec::TileId& id : test::tiles_of(manifest.layout)) {
     const auto stored = tree->store.read(id);
     ASSERT_TRUE(stored.has_value());
-    const auto maker = make_tile_maker("wavelet", *terrain.surface, manifest.layout);
+    const auto maker = make_tile_maker(manifest, *terrain.surface);
     const auto tile = make_stored_tile(*maker, *codec::find_codec("wavelet"), manifest.layout, id);
     ASSERT_TRUE(tile.has_value());
     EXPECT_TRUE(tile->payload == stored->payload) << id.text();
@@ -81,7 +81,7 @@ TEST(WaveletMaker, TheCriterionLeavesTheMeshAsItIs) {
   std::vector<std::size_t> sizes;
   std::vector<codec::TileMesh> meshes;
   for (const char* criterion : {"max", "rms"}) {
-    const auto maker = make_tile_maker("wavelet", *terrain.surface, layout, Effort::kFast, nullptr, criterion);
+    const auto maker = make_tile_maker({.method = "wavelet", .criterion = criterion, .layout = layout}, *terrain.surface);
     auto mesh = maker->make(leaf);
     ASSERT_TRUE(mesh.has_value());
     const auto payload = maker->encode(*codec::find_codec("wavelet"), leaf, *mesh);
@@ -97,7 +97,7 @@ TEST(WaveletMaker, TheCriterionLeavesTheMeshAsItIs) {
 TEST(WaveletDecoder, FailsWithItsReader) {
   const Terrain terrain = test::make_terrain(65, 65, test::rough_hills(60, 3, 0));
   const codec::TreeLayout layout = test::make_layout(terrain, 32, 0.5);
-  const auto maker = make_tile_maker("wavelet", *terrain.surface, layout);
+  const auto maker = make_tile_maker({.method = "wavelet", .layout = layout}, *terrain.surface);
   const auto tile = make_stored_tile(*maker, *codec::find_codec("wavelet"), layout, {1, 0, 0});
   ASSERT_TRUE(tile.has_value());
   const auto decoder = codec::make_tile_decoder("wavelet", layout, [](const codec::TileId& id) {

@@ -128,9 +128,12 @@ void expect_sound_stored_tile(const Terrain& terrain, const WholeTree& tree, con
 }  // namespace
 
 Expected<WholeTree> build_whole_tree(const Terrain& terrain, const codec::TreeLayout& layout, const std::string& path,
-                                     const std::string& effort, const std::string& method) {
+                                     const std::string& effort, const std::string& method,
+                                     const std::string& quantizer) {
   const auto go_on = [](const std::string&, std::uint64_t, std::uint64_t) { return true; };
   cache::Manifest manifest;
+  manifest.method = method;
+  manifest.quantizer = quantizer;
   manifest.layout = layout;
   manifest.effort = effort;
   manifest.method = method;

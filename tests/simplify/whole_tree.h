@@ -18,7 +18,8 @@ struct WholeTree {
 };
 
 Expected<WholeTree> build_whole_tree(const Terrain& terrain, const codec::TreeLayout& layout, const std::string& path,
-                                     const std::string& effort = "fast", const std::string& method = "tin");
+                                     const std::string& effort = "fast", const std::string& method = "tin",
+                                     const std::string& quantizer = "");
 
 /// The least error, of those from `wished_m` upward, that a build accepts: `wished_m`, or else what its refusal
 /// advises. Fails the test when the refusal is not about the data, advises nothing, or the advice does not work.

@@ -40,8 +40,8 @@ nlohmann::json to_json(const render::Camera& camera, const bench::SceneCounts& c
           {"in_picture", c.in_picture},
           {"one_tile", c.one_tile},
           {"any_error", c.any_error},
-          {"point_depth", c.point_depth},
-          {"point_gain", c.point_gain},
+          {"fewest", c.fewest},
+          {"fewest_level", c.fewest_level},
           {"beyond_ladder", c.beyond_ladder}};
 }
 

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "render/lod_cut.h"
+#include "render/screen_error.h"
 
 namespace tintree::bench {
 namespace {
@@ -20,7 +21,7 @@ struct Sight {
   bool visible(const render::Camera& camera) const {
     return depth_m > 0 && std::abs(u) <= camera.tan_half_x() && std::abs(v) <= camera.tan_half_y();
   }
-  /// render::Camera::vertical_gain() for this place instead of the worst of the picture.
+  /// g of render/screen_error.h.
   double gain(const render::CameraAxes& axes) const {
     return std::hypot(u * axes.forward.z, axes.up.z - v * axes.forward.z);
   }
@@ -54,6 +55,7 @@ Expected<SceneCounts> SceneCounter::count(const render::Camera& camera) const {
   const codec::TreeLayout& layout = bounds.layout();
   const render::LodCut cut = render::lod_cut(bounds, camera, {}, [](std::uint32_t) { return true; });
   const render::CameraAxes axes = camera.axes();
+  const render::ScreenError screen_error(camera);
   const GroundBlocks& ground = ladder_.ground();
   SceneCounts out;
   out.tiles = cut.draws.size();
@@ -61,8 +63,11 @@ Expected<SceneCounts> SceneCounter::count(const render::Camera& camera) const {
   for (const render::DrawTile& draw : cut.draws) {
     const codec::TileId& id = bounds.nodes()[draw.node].id;
     out.drawn += triangles_[draw.node];
-    const double per_metre = 1 / (camera.focal_px() * camera.vertical_gain());
     const auto allowed_m = [&](double error_m) { return std::max(error_m, layout.leaf_error_m); };
+    // Metres a pixel, as the cut has it.
+    const cache::TileNode& node = bounds.nodes()[draw.node];
+    const double error_m = std::max(static_cast<double>(node.lod_error_m), layout.leaf_error_m);
+    const double in_box_m = error_m / screen_error.bound_px(bounds.box(node), error_m).value_or(1);
     const codec::CellRect cells = layout.cells(id);
     for (std::int64_t row = cells.row0 / kBlockCells; row * kBlockCells < cells.row1; ++row) {
       for (std::int64_t column = cells.column0 / kBlockCells; column * kBlockCells < cells.column1; ++column) {
@@ -70,19 +75,20 @@ Expected<SceneCounts> SceneCounter::count(const render::Camera& camera) const {
         if (ground.cells[block] <= 0) continue;
         const Sight sight = see(camera, axes, ground.centres[block]);
         if (!sight.visible(camera)) continue;
-        const double error_m = allowed_m(sight.depth_m * per_metre);
-        const double fewest = ladder_.triangles(block, error_m);
+        const double footprint_m = sight.depth_m / camera.focal_px();
+        const double here_m = allowed_m(footprint_m / sight.gain(axes));
+        const double fewest = ladder_.triangles(block, here_m);
         out.full += 2 * ground.cells[block];
         out.in_picture += levels_[static_cast<std::size_t>(id.level)].triangles[block];
         out.one_tile += ladder_.triangles(block, layout.bound_m(id.level));
-        out.any_error += ladder_.triangles(block, allowed_m(draw.nearest_m * per_metre));
-        out.point_depth += fewest;
-        out.point_gain += ladder_.triangles(block, allowed_m(sight.depth_m / (camera.focal_px() * sight.gain(axes))));
-        if (error_m > ladder_.coarsest_m()) out.beyond_ladder += fewest;
+        out.any_error += ladder_.triangles(block, allowed_m(in_box_m));
+        out.fewest += fewest;
+        out.fewest_level += ladder_.triangles(block, allowed_m(footprint_m / camera.vertical_gain()));
+        if (here_m > ladder_.coarsest_m()) out.beyond_ladder += fewest;
       }
     }
   }
-  if (out.point_depth > 0) out.beyond_ladder /= out.point_depth;
+  if (out.fewest > 0) out.beyond_ladder /= out.fewest;
   return out;
 }
 

@@ -19,10 +19,10 @@ struct SceneCounts {
   double drawn = 0;          ///< Of the tiles drawn, whole as they are.
   double in_picture = 0;     ///< The same, within the picture alone.
   double one_tile = 0;       ///< Of meshes without tile borders, best effort, at each tile's level's bound.
-  double any_error = 0;      ///< At the error that each tile's nearest possible point allows: no steps of two.
-  double point_depth = 0;    ///< At the error that the depth of the place itself allows: no tiles. The lower bound.
-  double point_gain = 0;     ///< The same with what a vertical metre really moves there, not at most in the picture.
-  double beyond_ladder = 0;  ///< Share of point_depth that was extrapolated.
+  double any_error = 0;      ///< At the error that would be a pixel in each tile's box: no steps of two.
+  double fewest = 0;         ///< At the error that is a pixel at the place itself: no tiles. The lower bound.
+  double fewest_level = 0;   ///< The same if a vertical metre counted everywhere as it does where it counts most.
+  double beyond_ladder = 0;  ///< Share of `fewest` that was extrapolated.
 };
 
 /// A tree and the ladder of the same ground. Keeps both; one thread.

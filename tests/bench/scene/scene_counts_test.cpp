@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/frustum.h"
-#include "render/lod_cut.h"
+#include "render/screen_error.h"
 #include "tests/support/regular_tree.h"
 #include "tests/support/temp_dir.h"
 #include "tests/support/test_raster.h"
@@ -82,11 +81,10 @@ TEST(SceneCounter, CountsAPlainSeenFromAboveAsOneCanByHand) {
   const double gain = std::hypot(camera.tan_half_x(), camera.tan_half_y());
   const double pixel_m = 2000 / (camera.focal_px() * gain);
   EXPECT_NEAR(counts.full, 2 * (96 * 64 - 1), 1e-6);
-  EXPECT_NEAR(counts.point_depth, 24 * 1000 / (pixel_m * pixel_m), 1e-3);
-  // Its corners are nearer, by the shape of the pyramid of sight; every tile is taken at its nearest point.
-  EXPECT_GE(counts.any_error, counts.point_depth);
-  // Right below the camera a vertical metre moves nothing.
-  EXPECT_LT(counts.point_gain, counts.point_depth);
+  EXPECT_NEAR(counts.fewest_level, 24 * 1000 / (pixel_m * pixel_m), 1e-3);
+  // Right below the camera a vertical metre moves nothing; every tile is taken where it moves most.
+  EXPECT_LT(counts.fewest, counts.fewest_level);
+  EXPECT_GE(counts.any_error, counts.fewest);
   EXPECT_EQ(counts.in_picture, counts.drawn);
 }
 
@@ -113,11 +111,11 @@ TEST(Flight, NeverAsksForLessThanTheLeavesHave) {
   const cache::Box ground = bounds.box(bounds.nodes()[0]);
   double most_px = 0;
   for (const render::Camera& camera : flight(bounds, 19)) {
-    const double nearest_m = render::Frustum(camera).nearest_depth_m(ground);
-    most_px = std::max(most_px, render::projected_error_px(bounds.layout().leaf_error_m, nearest_m, camera));
+    const render::ScreenError screen_error(camera);
+    most_px = std::max(most_px, screen_error.bound_px(ground, bounds.layout().leaf_error_m).value_or(0));
   }
   EXPECT_LE(most_px, 1);
-  EXPECT_GT(most_px, 0.5);
+  EXPECT_GT(most_px, 0.4);
 }
 
 }  // namespace

@@ -1,9 +1,12 @@
-/// bench_view: every Nth view of a flight, against the full-resolution surface (the audit's measure) and against
-/// drawing the same triangles from one static buffer. Prints one line of JSON; scripts/bench view reads it.
+/// bench_view: every Nth view of a flight, against the full-resolution surface (the audit's measure), against drawing
+/// the same triangles from one static buffer, and with and without looking for what nearer ground hides. Prints one
+/// line of JSON; scripts/bench view reads it.
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -96,6 +99,62 @@ Expected<nlohmann::json> against_static(const cache::TileStore& store, const std
                         {"ratio", scene_seconds / static_seconds}};
 }
 
+/// A flight over these views once for each way to look for what nearer ground hides, in turn; the least processor time
+/// of all threads that a frame took.
+Expected<nlohmann::json> of_occlusion(const cache::TileStore& store, const std::vector<render::Camera>& views,
+                                      const Options& o) {
+  const auto kind = o.headless == "egl" ? render::Headless::kEgl : render::Headless::kOsMesa;
+  const auto context = render::HeadlessContext::create(kind);
+  if (!context) return tl::unexpected(context.error());
+  const auto gl = render::load_gl((*context)->get_function());
+  if (!gl) return tl::unexpected(gl.error());
+  const auto target = render::OffscreenTarget::create(*gl, o.width_px, o.height_px, 4);
+  if (!target) return tl::unexpected(target.error());
+  const auto made = render::TerrainScene::create(*gl, store, {});
+  if (!made) return tl::unexpected(made.error());
+  render::TerrainScene& scene = **made;
+  struct Way {
+    const char* name;
+    render::Occlusion wish;
+    std::clock_t least = std::numeric_limits<std::clock_t>::max();
+    std::clock_t least_choosing = std::numeric_limits<std::clock_t>::max();
+    std::uint64_t hidden = 0;
+    std::uint64_t triangles = 0;
+  };
+  std::array<Way, 3> ways{{{"off", render::Occlusion::kOff},
+                           {"where_it_pays", render::Occlusion::kWhereItPays},
+                           {"always", render::Occlusion::kAlways}}};
+  for (int repeat = 0; repeat < o.repeats; ++repeat) {
+    for (Way& way : ways) {
+      scene.occlusion() = way.wish;
+      way.hidden = way.triangles = 0;
+      std::clock_t spent = 0, choosing = 0;
+      for (const render::Camera& camera : views) {
+        if (auto ready = scene.settle(camera); !ready) return tl::unexpected(ready.error());
+        gl->Finish();
+        const std::clock_t before = std::clock();
+        const render::LodCut cut = scene.update(camera);
+        choosing += std::clock() - before;
+        way.triangles += scene.draw(*target, camera, cut, {}).triangles;
+        gl->Finish();
+        spent += std::clock() - before;
+        way.hidden += cut.occluded;
+      }
+      way.least = std::min(way.least, spent);
+      way.least_choosing = std::min(way.least_choosing, choosing);
+    }
+  }
+  nlohmann::json out;
+  const auto count = static_cast<double>(views.size());
+  for (const Way& way : ways) {
+    out[way.name] = {{"cpu_seconds", static_cast<double>(way.least) / CLOCKS_PER_SEC / count},
+                     {"choosing_cpu_seconds", static_cast<double>(way.least_choosing) / CLOCKS_PER_SEC / count},
+                     {"hidden", static_cast<double>(way.hidden) / count},
+                     {"triangles", static_cast<double>(way.triangles) / count}};
+  }
+  return out;
+}
+
 Expected<nlohmann::json> against_surface(const cache::TileStore& store, const std::vector<render::Camera>& views,
                                          const Options& o) {
   auto source = cache::RasterSource::open(o.dem);
@@ -144,7 +203,9 @@ Expected<void> run(const Options& o) {
   const auto views = cameras(*flight, o);
   const auto cost = against_static(*store, views, o);
   if (!cost) return tl::unexpected(cost.error());
-  nlohmann::json out{{"cost", *cost}};
+  const auto occlusion = of_occlusion(*store, views, o);
+  if (!occlusion) return tl::unexpected(occlusion.error());
+  nlohmann::json out{{"cost", *cost}, {"occlusion", *occlusion}};
   if (!o.dem.empty()) {
     const auto image = against_surface(*store, views, o);
     if (!image) return tl::unexpected(image.error());

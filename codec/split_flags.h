@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-namespace tintree::simplify {
+namespace tintree::codec {
 
-/// A bit for each point of a tile's sample grid, (0..cells) x (0..cells): "the right triangles that meet
+/// A bit for each point of a tile's grid, (0..cells) x (0..cells): "the right triangles that meet
 /// here have to be split". Only chunks with a bit set take memory, so a level whose surface is mostly flat
 /// at its bound costs little however large its tiles. After number(), each set bit has a rank.
 class SplitFlags {
@@ -30,6 +30,26 @@ class SplitFlags {
     const bool fresh = (word & bit) == 0;
     word |= bit;
     return fresh;
+  }
+
+  void clear(std::int64_t x, std::int64_t y) {
+    Chunk* chunk = chunks_[chunk_of(x, y)].get();
+    if (chunk != nullptr) chunk->bits[word_of(x, y)] &= ~(std::uint64_t{1} << (x & 63));
+  }
+
+  /// Calls `visit(x, y)` for every set bit.
+  template <typename Visit>
+  void for_each(const Visit& visit) const {
+    for (std::size_t c = 0; c < chunks_.size(); ++c) {
+      if (!chunks_[c]) continue;
+      const std::int64_t x0 = static_cast<std::int64_t>(c) % across_ * kSide;
+      const std::int64_t y0 = static_cast<std::int64_t>(c) / across_ * kSide;
+      // A row of a chunk is one word.
+      for (std::size_t row = 0; row < kWords; ++row) {
+        for (std::uint64_t word = chunks_[c]->bits[row]; word != 0; word &= word - 1)
+          visit(x0 + std::countr_zero(word), y0 + static_cast<std::int64_t>(row));
+      }
+    }
   }
 
   /// Ranks all set bits; returns their number.
@@ -74,4 +94,4 @@ class SplitFlags {
   std::vector<std::unique_ptr<Chunk>> chunks_;
 };
 
-}  // namespace tintree::simplify
+}  // namespace tintree::codec

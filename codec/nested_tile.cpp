@@ -1,0 +1,146 @@
+#include "codec/nested_tile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "codec/nested_payload.h"
+#include "codec/triangle_fans.h"
+
+namespace tintree::codec {
+namespace {
+
+using LevelHeights = std::array<float, NestedTile::kMostLevels - 1>;
+
+/// How far above each point the coarser meshes are. A point is the middle of a side that lies in one triangle of every
+/// level that lacks the point, so each of these meshes is there at the mean of its heights at the side's ends.
+std::vector<LevelHeights> rises(const RightTriangles& points) {
+  std::vector<LevelHeights> out(points.points().size(), LevelHeights{});
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const HierarchyPoint& p = points.points()[i];
+    if (p.gap || p.end_a == RightTriangles::kNone) continue;
+    const HierarchyPoint& a = points.point(p.end_a);
+    const HierarchyPoint& b = points.point(p.end_b);
+    if (a.gap || b.gap) continue;
+    const float middle = static_cast<float>(a.z + b.z) / 2 - static_cast<float>(p.z);
+    for (std::size_t k = 0; k < p.level; ++k) {
+      out[i][k] = middle + (out[static_cast<std::size_t>(p.end_a)][k] + out[static_cast<std::size_t>(p.end_b)][k]) / 2;
+    }
+  }
+  return out;
+}
+
+/// The exponent of a level's unit: that of a 64th of its tolerance, or of what a byte needs for `largest`.
+int exponent_for(int level, int levels, float largest) {
+  int exponent = levels - 1 - level - 4;
+  while (std::ldexp(largest, -exponent) > 127.5F) ++exponent;
+  return exponent;
+}
+
+class TileMaker {
+ public:
+  /// `all_levels`: of the payload, read or not.
+  TileMaker(const RightTriangles& points, int all_levels, NestedTile& tile)
+      : points_(points), all_levels_(all_levels), tile_(tile) {}
+
+  void number_vertices() {
+    number_.resize(points_.points().size());
+    const std::vector<LevelHeights> all = rises(points_);
+    LevelHeights largest{};
+    for (std::size_t i = 0; i < number_.size(); ++i) {
+      const HierarchyPoint& p = points_.points()[i];
+      if (p.gap) continue;
+      number_[i] = static_cast<std::uint32_t>(tile_.vertices.size());
+      tile_.vertices.push_back({p.x, p.y, p.z});
+      tile_.level_vertices.resize(p.level, number_[i]);
+      for (std::size_t k = 0; k < largest.size(); ++k) largest[k] = std::max(largest[k], std::abs(all[i][k]));
+    }
+    tile_.level_vertices.resize(static_cast<std::size_t>(tile_.levels),
+                                static_cast<std::uint32_t>(tile_.vertices.size()));
+    for (std::size_t k = 0; k < largest.size(); ++k) {
+      tile_.morph_exponent[k] =
+          static_cast<std::int8_t>(exponent_for(static_cast<int>(k), all_levels_, largest[k]));
+    }
+    for (std::size_t i = 0; i < number_.size(); ++i) {
+      if (points_.points()[i].gap) continue;
+      auto& morph = tile_.morphs.emplace_back();
+      for (std::size_t k = 0; k < morph.size(); ++k) {
+        morph[k] = static_cast<std::int8_t>(std::lround(std::ldexp(all[i][k], -tile_.morph_exponent[k])));
+      }
+    }
+  }
+
+  void add_level(int level) {
+    std::vector<Triangle> triangles;
+    points_.for_each_triangle(level, [&](std::int32_t a, std::int32_t b, std::int32_t c) {
+      triangles.push_back({number(a), number(b), number(c)});
+    });
+    tile_.level_triangles.push_back(static_cast<std::uint32_t>(triangles.size()));
+    const std::size_t vertices = tile_.level_vertices[static_cast<std::size_t>(level)];
+    tile_.fans.push_back(triangle_fans(triangles, hubs(triangles), vertices, NestedTile::kRestart));
+  }
+
+ private:
+  std::uint32_t number(std::int32_t point) const { return number_[static_cast<std::size_t>(point)]; }
+
+  /// Centres of squares, in the triangles' order, then all the rest: where squares are whole, their centres' fans are
+  /// all there is.
+  std::vector<std::uint32_t> hubs(const std::vector<Triangle>& triangles) const {
+    const auto centre = [this](std::uint32_t v) {
+      const GridVertex& p = tile_.vertices[v];
+      const std::int32_t unit = (p.x | p.y) & -(p.x | p.y);
+      return (p.x & p.y & unit) != 0;
+    };
+    std::vector<std::uint32_t> out;
+    std::vector<bool> listed(tile_.vertices.size());
+    for (const bool centres : {true, false}) {
+      for (const Triangle& t : triangles) {
+        for (const std::uint32_t v : {t[2], t[0], t[1]}) {
+          if (listed[v] || (centres && !centre(v))) continue;
+          listed[v] = true;
+          out.push_back(v);
+        }
+      }
+    }
+    return out;
+  }
+
+  const RightTriangles& points_;
+  int all_levels_;
+  NestedTile& tile_;
+  std::vector<std::uint32_t> number_;
+};
+
+}  // namespace
+
+double NestedTile::height(std::size_t v, int i) const {
+  const auto k = static_cast<std::size_t>(i);
+  const double rise = i >= levels - 1 ? 0 : std::ldexp(static_cast<double>(morphs[v][k]), morph_exponent[k]);
+  return static_cast<double>(vertices[v].z) + rise;
+}
+
+Expected<NestedTile> decode_nested(std::span<const std::byte> bytes, int levels) {
+  const auto payload = parse_nested(bytes, levels);
+  if (!payload) return tl::unexpected(payload.error());
+  const auto points = read_points(*payload, levels);
+  if (!points) return tl::unexpected(points.error());
+  NestedTile tile;
+  tile.xy_shift = payload->xy_shift;
+  tile.z_offset = payload->z_offset;
+  tile.levels = std::min(levels, static_cast<int>(payload->blocks.size()));
+  TileMaker maker(*points, static_cast<int>(payload->blocks.size()), tile);
+  maker.number_vertices();
+  for (int level = 0; level < tile.levels; ++level) maker.add_level(level);
+  return tile;
+}
+
+Expected<std::vector<std::size_t>> nested_prefix_bytes(std::span<const std::byte> bytes) {
+  const auto payload = parse_nested(bytes, NestedTile::kMostLevels);
+  if (!payload) return tl::unexpected(payload.error());
+  std::vector<std::size_t> out;
+  std::size_t sum = payload->header_bytes;
+  for (const std::size_t length : payload->block_bytes) out.push_back(sum += length);
+  return out;
+}
+
+}  // namespace tintree::codec

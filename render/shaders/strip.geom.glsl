@@ -1,0 +1,12 @@
+// A sub-strip a point; its words go to transform feedback.
+layout(points) in;
+layout(points, max_vertices = 96) out;
+flat in uint strip[];
+out uint word;
+
+void put(uint value) {
+  word = value;
+  EmitVertex();
+}
+
+void main() { decode(strip[0]); }

@@ -1,0 +1,153 @@
+/// Flights with impostors against the same flights without, under OSMesa.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "render/terrain_scene.h"
+#include "tests/render/analytic_tree.h"
+#include "tests/render/osmesa_test.h"
+#include "tests/support/temp_dir.h"
+
+namespace tintree::render {
+namespace {
+
+constexpr int kWidth = 240;
+constexpr int kHeight = 160;
+constexpr int kFrames = 20;
+
+class FarPictureTest : public OsMesaTest {
+ protected:
+  FarPictureTest() {
+    test::AnalyticTree tree;
+    tree.columns = tree.rows = 257;
+    tree.tile_cells = 16;
+    const std::string path = dir_.file("tree.tintree");
+    tree.write(path);
+    store_.emplace(std::move(*cache::TileStore::open(path)));
+  }
+
+  std::unique_ptr<TerrainScene> scene(bool impostors) const {
+    SceneOptions options;
+    options.impostors = impostors;
+    return std::move(*TerrainScene::create(gl_, *store_, options));
+  }
+
+  static Camera camera(const glm::dvec3& eye, const glm::dvec3& target) {
+    Camera c;
+    c.eye = eye;
+    c.target = target;
+    c.width_px = kWidth;
+    c.height_px = kHeight;
+    return c;
+  }
+
+  struct Shot {
+    Picture picture;
+    DrawStats drawn;
+  };
+  static Shot shoot(TerrainScene& scene, const Camera& camera) {
+    const auto cut = scene.settle(camera);
+    EXPECT_TRUE(cut) << cut.error().text();
+    const auto target = OffscreenTarget::create(gl_, kWidth, kHeight, 4);
+    Style style;
+    style.background = glm::vec3(1, 0, 1);
+    const DrawStats drawn = scene.draw(*target, camera, *cut, style);
+    EXPECT_EQ(gl_.GetError(), static_cast<GLenum>(GL_NO_ERROR));
+    return {target->read_picture(), drawn};
+  }
+
+  /// Pixels whose colour is none of those, or between those, of the reference's pixels at most one away.
+  static int count_strange(const Picture& shown, const Picture& reference, int tolerance) {
+    int count = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        bool strange = false;
+        for (std::size_t k = 0; k < 3; ++k) {
+          int low = 255, high = 0;
+          for (int v = std::max(y - 1, 0); v <= std::min(y + 1, kHeight - 1); ++v) {
+            for (int u = std::max(x - 1, 0); u <= std::min(x + 1, kWidth - 1); ++u) {
+              low = std::min<int>(low, reference.at(u, v)[k]);
+              high = std::max<int>(high, reference.at(u, v)[k]);
+            }
+          }
+          const int value = shown.at(x, y)[k];
+          strange = strange || value < low - tolerance || value > high + tolerance;
+        }
+        count += strange ? 1 : 0;
+      }
+    }
+    return count;
+  }
+
+  test::TempDir dir_;
+  std::optional<cache::TileStore> store_;
+};
+
+// Low over the ground with sky in sight, and high with ground all over the picture.
+TEST_F(FarPictureTest, ThePictureIsTheSameWithinAPixelAndWithoutCracks) {
+  for (const auto& [eye, target, step] :
+       {std::tuple(glm::dvec3(200, -300, 160), glm::dvec3(2000, -1900, -100), glm::dvec3(0.03, 0.02, 0.01)),
+        std::tuple(glm::dvec3(900, -700, 700), glm::dvec3(1300, -1500, 0), glm::dvec3(-0.02, 0.04, 0))}) {
+    const auto with = scene(true);
+    const auto without = scene(false);
+    int replaced = 0, made = 0, strange = 0;
+    std::uint64_t drawn = 0, drawn_without = 0;
+    for (int i = 0; i < kFrames; ++i) {
+      const glm::dvec3 moved = static_cast<double>(i) * step;
+      const glm::dvec3 turned(0, 30 * std::sin(0.1 * i), 0);
+      const Camera c = camera(eye + moved, target + moved + turned);
+      const Shot a = shoot(*with, c);
+      const Shot b = shoot(*without, c);
+      replaced += a.drawn.impostor_tiles > 0 ? 1 : 0;
+      made += a.drawn.impostor_triangles > 0 ? 1 : 0;
+      drawn += a.drawn.triangles;
+      drawn_without += b.drawn.triangles;
+      // Other levels of detail are lit a little otherwise.
+      strange += count_strange(a.picture, b.picture, 24);
+    }
+    EXPECT_GE(replaced, kFrames - 2);
+    EXPECT_LE(made, 3);
+    EXPECT_LT(drawn, drawn_without * 3 / 4);
+    EXPECT_LT(strange, kFrames * kWidth * kHeight / 2000) << "of a thousand pixels half a one";
+  }
+}
+
+TEST_F(FarPictureTest, AFastFlightGoesWithoutOne) {
+  const auto with = scene(true);
+  for (int i = 0; i < 20; ++i) {
+    const glm::dvec3 moved(20.0 * i, -15.0 * i, 0);
+    const Shot shot = shoot(*with, camera(glm::dvec3(200, -300, 260) + moved, glm::dvec3(900, -900, 0) + moved));
+    EXPECT_EQ(shot.drawn.impostor_tiles, 0U) << i;
+    EXPECT_EQ(shot.drawn.impostor_triangles, 0U) << i;
+  }
+}
+
+TEST_F(FarPictureTest, ChangesWithTheSun) {
+  const auto with = scene(true);
+  shoot(*with, camera({200, -300.01, 160}, {2000, -1900, -100}));
+  const Camera c = camera({200, -300, 160}, {2000, -1900, -100});
+  const Shot before = shoot(*with, c);
+  EXPECT_GT(before.drawn.impostor_tiles, 0U);
+  const auto cut = with->settle(c);
+  const auto target = OffscreenTarget::create(gl_, kWidth, kHeight, 4);
+  Style evening;
+  evening.background = glm::vec3(1, 0, 1);
+  evening.sun_elevation_rad = 0.1;
+  with->draw(*target, c, *cut, evening);
+  const Picture after = target->read_picture();
+  const auto without = scene(false);
+  const auto plain = without->settle(c);
+  without->draw(*target, c, *plain, evening);
+  EXPECT_LT(count_strange(after, target->read_picture(), 24), kWidth * kHeight / 500);
+}
+
+}  // namespace
+}  // namespace tintree::render

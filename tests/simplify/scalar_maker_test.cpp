@@ -1,0 +1,148 @@
+/// What every tile of method scalar promises, on the stored bytes, over rasters made to break it.
+
+#include "simplify/scalar_maker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "codec/mesh_codec.h"
+#include "tests/simplify/support.h"
+#include "tests/simplify/whole_tree.h"
+#include "tests/support/adversarial_terrain.h"
+#include "tests/support/temp_dir.h"
+
+namespace tintree::simplify {
+namespace {
+
+using codec::QuantizerKind;
+using codec::TileId;
+using test::AdversarialTerrain;
+using test::Terrain;
+
+void expect_sound(const Terrain& terrain, int tile_cells, double wished_m, const std::string& quantizer) {
+  const double error_m = test::accepted_error_m(terrain, tile_cells, wished_m);
+  SCOPED_TRACE(testing::Message() << quantizer << ", tile " << tile_cells << ", error " << error_m << " m");
+  const test::TempDir dir;
+  const auto tree = test::build_whole_tree(terrain, test::make_layout(terrain, tile_cells, error_m),
+                                           dir.file("t.tintree"), "fast", "scalar", quantizer);
+  ASSERT_TRUE(tree.has_value()) << tree.error().text();
+  test::expect_sound_tree(terrain, *tree);
+}
+
+class ScalarMakerTest : public testing::TestWithParam<AdversarialTerrain> {};
+
+TEST_P(ScalarMakerTest, KeepsItsPromises) {
+  const test::TempDir dir;
+  test::write_terrain(dir.file("dem.tif"), GetParam());
+  const Terrain terrain = test::read_terrain(dir.file("dem.tif"));
+  if (!terrain.surface->has_surface()) return;
+  const auto range = terrain.surface->height_range_m({0, 0, GetParam().columns - 1, GetParam().rows - 1});
+  const double relief_m = std::max(range[1] - range[0], 1e-3);
+  expect_sound(terrain, 16, relief_m / 200, "uniform");
+  expect_sound(terrain, 32, relief_m / 6, "lloyd-max");
+}
+
+INSTANTIATE_TEST_SUITE_P(Terrains, ScalarMakerTest, testing::ValuesIn(test::adversarial_terrains()),
+                         [](const auto& shape) { return shape.param.name; });
+
+TEST(ScalarMaker, KeepsItsPromisesOnRandomTerrain) {
+  for (unsigned seed = 1; seed < 25 && !testing::Test::HasFailure(); ++seed) {
+    const AdversarialTerrain shape = test::random_terrain(seed);
+    SCOPED_TRACE("make_terrain random_" + std::to_string(seed));
+    const Terrain terrain = test::make_exact_terrain(shape.columns, shape.rows, shape.height);
+    if (!terrain.surface->has_surface()) continue;
+    const auto range = terrain.surface->height_range_m({0, 0, shape.columns - 1, shape.rows - 1});
+    expect_sound(terrain, 8 << (seed % 3), std::max(1e-6, std::pow(0.3, seed % 7) * (range[1] - range[0])),
+                 seed % 2 == 0 ? "uniform" : "lloyd-max");
+  }
+}
+
+TEST(ScalarMaker, SmoothGroundTakesAWideGrid) {
+  const Terrain hills = test::make_terrain(257, 257, [](int c, int r) { return test::hills(c, r, 40); });
+  const codec::TreeLayout layout = test::make_layout(hills, 256, 8);
+  ScalarMaker maker(*hills.surface, layout, QuantizerKind::kUniform);
+  const auto mesh = maker.make({0, 0, 0});
+  ASSERT_TRUE(mesh.has_value());
+  EXPECT_LT(mesh->triangles.size(), 2U * 256 * 256 / 16);
+  const auto tile = codec::find_scalar_tile(*mesh);
+  ASSERT_TRUE(tile.has_value());
+  // A plane's grid is as wide as it gets.
+  const Terrain plane = test::make_terrain(257, 257, [](int c, int r) { return 3.0 * c - r; });
+  const auto flat = ScalarMaker(*plane.surface, test::make_layout(plane, 256, 8), QuantizerKind::kUniform).make({0, 0, 0});
+  ASSERT_TRUE(flat.has_value());
+  EXPECT_EQ(codec::find_scalar_tile(*flat)->grid.inner_count(), 1U);
+}
+
+/// Heights of the inner grid: how many levels there are.
+std::size_t level_count(const codec::TileMesh& mesh) {
+  const auto tile = codec::find_scalar_tile(mesh);
+  EXPECT_TRUE(tile.has_value());
+  std::set<std::int32_t> heights;
+  for (std::size_t i = tile->grid.border_count(); i < tile->z.size(); ++i) heights.insert(tile->z[i]);
+  return heights.size();
+}
+
+TEST(ScalarMaker, TheBoundChoosesTheLevels) {
+  const Terrain noise = test::make_terrain(65, 65, [](int c, int r) { return 100 * test::noise(c, r); });
+  std::size_t last = 1000;
+  for (const double error_m : {0.5, 1.0, 2.0, 4.0, 8.0}) {
+    const codec::TreeLayout layout = test::make_layout(noise, 64, error_m);
+    const auto mesh = ScalarMaker(*noise.surface, layout, QuantizerKind::kUniform).make({0, 0, 0});
+    ASSERT_TRUE(mesh.has_value());
+    const std::size_t levels = level_count(*mesh);
+    // Levels are seven quarters of the bound apart.
+    EXPECT_NEAR(static_cast<double>(levels), 100 / (1.75 * error_m), 2) << error_m;
+    EXPECT_LT(levels, last);
+    last = levels;
+  }
+}
+
+TEST(ScalarMaker, TwoHeightsTakeTwoLevels) {
+  const Terrain steps = test::make_terrain(65, 65, [](int c, int r) { return test::noise(c, r) < 0.5 ? -7.0 : 5000.0; });
+  for (const QuantizerKind kind : {QuantizerKind::kUniform, QuantizerKind::kLloydMax}) {
+    const codec::TreeLayout layout = test::make_layout(steps, 64, 1);
+    const auto mesh = ScalarMaker(*steps.surface, layout, kind).make({0, 0, 0});
+    ASSERT_TRUE(mesh.has_value());
+    EXPECT_EQ(level_count(*mesh), 2U);
+    EXPECT_LT(codec::find_codec("scalar")->encode(*mesh)->size(), 63U * 63 / 8 + 256 * 3 + 100);
+  }
+}
+
+TEST(ScalarMaker, TilesDoNotDependOnTheirOrder) {
+  const Terrain rough = test::make_terrain(150, 131, test::rough_hills(30, 2, 0.0005, 5));
+  const codec::TreeLayout layout = test::make_layout(rough, 32, 1);
+  const codec::MeshCodec& codec = *codec::find_codec("scalar");
+  std::vector<TileId> ids = test::tiles_of(layout);
+  ScalarMaker forward(*rough.surface, layout, QuantizerKind::kUniform);
+  std::vector<std::vector<std::byte>> first;
+  for (const TileId& id : ids) first.push_back(*codec.encode(*forward.make(id)));
+  ScalarMaker backward(*rough.surface, layout, QuantizerKind::kUniform);
+  for (std::size_t i = ids.size(); i-- > 0;) EXPECT_EQ(*codec.encode(*backward.make(ids[i])), first[i]) << ids[i].text();
+}
+
+TEST(ScalarMaker, EndsSoonAfterAStop) {
+  const Terrain rough = test::make_terrain(150, 131, test::rough_hills(30, 2, 0, 5));
+  const StopFlag stop = true;
+  ScalarMaker maker(*rough.surface, test::make_layout(rough, 32, 1), QuantizerKind::kUniform, &stop);
+  const auto mesh = maker.make({0, 0, 0});
+  ASSERT_FALSE(mesh.has_value());
+  EXPECT_EQ(mesh.error().code, ErrorCode::kStopped);
+}
+
+/// A hole, so that all samples would be taken: more than a tile may have.
+TEST(ScalarMaker, RefusesATileOfTooManyVertices) {
+  const Terrain wide = test::make_terrain(4200, 4200, [](int c, int r) { return c == 9 && r == 9 ? test::kMissing : 1.0; });
+  const codec::TreeLayout layout = test::make_layout(wide, 4096, 1);
+  const auto mesh = ScalarMaker(*wide.surface, layout, QuantizerKind::kUniform).make({0, 0, 0});
+  ASSERT_FALSE(mesh.has_value());
+  EXPECT_EQ(mesh.error().code, ErrorCode::kBadData);
+  for (const std::string word : {"tile 0/0/0", "16777216", "--error", "--nodata fill", "--method tin"})
+    EXPECT_NE(mesh.error().text().find(word), std::string::npos) << word << " not in " << mesh.error().text();
+}
+
+}  // namespace
+}  // namespace tintree::simplify
