@@ -64,6 +64,14 @@ TEST_F(BuildTest, GivesTheSameTreeWithOneThreadAndTwo) {
   EXPECT_NE(digest({"--error", "1", "--overwrite"}), one);
 }
 
+TEST_F(BuildTest, MakesWaveletTilesByEitherCriterion) {
+  const std::string max = digest({"--method", "wavelet", "--criterion", "max", "--tile", "16", "--threads", "1"});
+  EXPECT_EQ(digest({"--method", "wavelet", "--criterion", "max", "--tile", "16", "--threads", "4", "--overwrite"}),
+            max);
+  digest({"--method", "wavelet", "--tile", "16", "--overwrite"});
+  EXPECT_EQ(cache::TileStore::open(tree_)->manifest().criterion, "rms");
+}
+
 TEST_F(BuildTest, TakesIntegersHolesAndOddSizes) {
   write_raster(dem_, {.columns = 2, .rows = 2, .type = SampleType::kInt16}, [](int c, int r) { return c + r; });
   EXPECT_NE(digest(), "");
@@ -186,6 +194,9 @@ TEST_F(BuildTest, RefusesWrongOptions) {
   for (const char* memory : {"1", "0"}) expect_refused({"--memory", memory}, kUsage, {"--memory"});
   expect_refused({"--memory", "-5"}, kUsage, {"--memory"});
   expect_refused({"--method", "magic"}, kUsage, {"--method"});
+  expect_refused({"--criterion", "max"}, kUsage, {"--criterion", "wavelet"});
+  expect_refused({"--method", "wavelet", "--criterion", "mean"}, kUsage, {"--criterion"});
+  expect_refused({"--method", "wavelet", "--plan"}, kUsage, {"--plan", "--method tin"});
   expect_refused({"--resume", "--overwrite"}, kUsage, {"--resume", "--overwrite"});
 }
 
