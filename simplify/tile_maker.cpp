@@ -22,7 +22,8 @@ std::unique_ptr<TileMaker> make(const ReferenceSurface& surface, const codec::Tr
 }
 
 /// One row a method, as in codec/mesh_codec.cpp.
-constexpr std::array kMethods{Method{"tin", make<TinMaker>}, Method{"strip", make<StripMaker>}};
+constexpr std::array kMethods{Method{"tin", make<TinMaker>}, Method{"strip", make<StripMaker>},
+                              Method{"strip-coded", make<StripMaker>}};
 
 }  // namespace
 

@@ -50,7 +50,7 @@ void read_bounds(std::span<const std::byte> bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const auto bytes = std::as_bytes(std::span(data, size)).subspan(1);
-  switch (data[0] % 4) {
+  switch (data[0] % 5) {
     case 0:
       read_payload("tin", bytes);
       break;
@@ -60,8 +60,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     case 2:
       read_bounds(bytes);
       break;
-    default:
+    case 3:
       read_payload("strip", bytes);
+      break;
+    default:
+      read_payload("strip-coded", bytes);
   }
   return 0;
 }
