@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "codec/bit_coder.h"
-#include "codec/vertex_fans.h"
+#include "codec/range_coder.h"
+#include "codec/split_fans.h"
 
 namespace tintree::codec {
 namespace {
@@ -53,7 +53,7 @@ class Coder {
  public:
   virtual ~Coder() = default;
   virtual bool bit(BitModel& model, bool truth) = 0;
-  virtual std::int64_t number(IntegerModel& model, std::int64_t truth) = 0;
+  virtual std::int64_t number(NumberModel& model, std::int64_t truth) = 0;
   /// Of the mesh that is put: is there a split, a vertex (with its height), a triangle?
   virtual bool splits(const Spot& spot) const = 0;
   virtual bool height(const Spot& spot, std::int64_t& z) const = 0;
@@ -107,8 +107,8 @@ class Walk {
   bool last_there_ = true;
 
   std::array<std::array<std::array<BitModel, kRoughness>, kExpected>, 2> split_models_;
-  std::array<std::array<IntegerModel, 3>, 3> height_models_;
-  IntegerModel corner_model_;
+  std::array<std::array<NumberModel, 3>, 3> height_models_;
+  NumberModel corner_model_;
   std::array<BitModel, 3> exists_models_;
   std::array<BitModel, 2> triangle_models_;
   std::array<BitModel, 2> flip_models_;
@@ -160,7 +160,7 @@ Index Walk::add(const Spot& spot, std::int64_t unit, const Outlook& outlook) {
   }
   if (point.exists) {
     const std::int64_t likely = (outlook.flat + outlook.expected + 2) >> 2;
-    IntegerModel& model =
+    NumberModel& model =
         unit == 0 ? corner_model_ : height_models_[size_class(outlook.expected, 3)][size_class(outlook.roughness, 3)];
     // Unsigned: what damaged bytes make overflow only wraps round, and is refused at the end.
     point.z = static_cast<std::int64_t>(static_cast<std::uint64_t>(likely) +
@@ -320,12 +320,10 @@ class Putter final : public Coder {
   }
 
   bool bit(BitModel& model, bool truth) override {
-    coder_.put(model, truth);
-    return truth;
+    return coder_.bit(model, truth);
   }
-  std::int64_t number(IntegerModel& model, std::int64_t truth) override {
-    model.put(coder_, truth);
-    return truth;
+  std::int64_t number(NumberModel& model, std::int64_t truth) override {
+    return model.code(coder_, truth);
   }
   bool splits(const Spot& spot) const override { return splits_.contains(key(spot)); }
   bool height(const Spot& spot, std::int64_t& z) const override {
@@ -361,7 +359,7 @@ class Putter final : public Coder {
   std::unordered_map<std::uint64_t, std::int64_t> heights_;
   std::unordered_map<std::uint64_t, bool> splits_;
   std::vector<Keys> triangles_;
-  BitEncoder coder_;
+  RangeEncoder coder_;
 };
 
 void Putter::force(const Spot& spot) {
@@ -393,15 +391,15 @@ class Taker final : public Coder {
  public:
   explicit Taker(std::span<const std::byte> bytes) : coder_(bytes) {}
 
-  bool bit(BitModel& model, bool) override { return coder_.get(model); }
-  std::int64_t number(IntegerModel& model, std::int64_t) override { return model.get(coder_); }
+  bool bit(BitModel& model, bool) override { return coder_.bit(model); }
+  std::int64_t number(NumberModel& model, std::int64_t) override { return model.code(coder_, 0); }
   bool splits(const Spot&) const override { return false; }
   bool height(const Spot&, std::int64_t&) const override { return false; }
   bool has(const std::array<Spot, 3>&) const override { return false; }
   bool broken() const override { return coder_.exhausted(); }
 
  private:
-  BitDecoder coder_;
+  RangeDecoder coder_;
 };
 
 constexpr std::byte kWhole{0};
@@ -481,7 +479,7 @@ Expected<TileMesh> decode_right_triangles(std::span<const std::byte> bytes, std:
   std::vector<std::array<Index, 3>> triangles;
   if (!walk.run(triangles)) return damaged();
   auto mesh = make_mesh(walk.points(), triangles, cells);
-  if (mesh && bytes.front() == kWithHoles) separate_fans(*mesh);
+  if (mesh && bytes.front() == kWithHoles) split_fans(*mesh);
   return mesh;
 }
 

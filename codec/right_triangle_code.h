@@ -24,7 +24,7 @@ using HeightGuess = std::function<std::int64_t(std::int64_t x, std::int64_t y)>;
 /// kUsage for a mesh of another kind.
 Expected<std::vector<std::byte>> encode_right_triangles(const TileMesh& mesh, std::int64_t cells,
                                                         const HeightGuess& guess);
-/// The same triangles on the coarsest grid that holds them, heights from the lowest one, fans apart (separate_fans).
+/// The same triangles on the coarsest grid that holds them, heights from the lowest one, fans apart (split_fans).
 /// kBadData for no such code.
 Expected<TileMesh> decode_right_triangles(std::span<const std::byte> bytes, std::int64_t cells,
                                           const HeightGuess& guess);

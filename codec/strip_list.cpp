@@ -102,6 +102,74 @@ void drop_missing(const Tables& tables, std::span<std::uint32_t> words) {
 
 constexpr std::size_t kLanes = 8;
 
+/// A coordinate of all directions, and 1, in 2 bits each.
+constexpr std::uint32_t packed(const std::array<int, 8>& ways) {
+  std::uint32_t out = 0;
+  for (std::size_t d = 0; d < ways.size(); ++d) out |= static_cast<std::uint32_t>(ways[d] + 1) << 2 * d;
+  return out;
+}
+constexpr std::uint32_t kWaysX = packed(kStripX);
+constexpr std::uint32_t kWaysY = packed(kStripY);
+
+/// A number of each of eight sub-strips.
+using Lanes = std::uint32_t __attribute__((vector_size(4 * kLanes)));
+
+/// step() for eight whole sub-strips from `strip` on, side by side, whose entries end at least 4 bytes before the
+/// payload's.
+__attribute__((target_clones("avx2", "default"))) void expand_lanes(const Tables& tables, const StripPayload& payload,
+                                                                    std::uint32_t strip, std::uint32_t* out) {
+  const std::size_t bits = static_cast<std::size_t>(payload.height_bits) + 2;
+  const std::uint32_t mask = (1U << bits) - 1;
+  const int height_at = 2 * tables.words.xy_bits;
+  Lanes v1;
+  Lanes v2;
+  Lanes edge;
+  Lanes right;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const Place p = start(tables, payload, strip + static_cast<std::uint32_t>(k));
+    v1[k] = p.v1;
+    v2[k] = p.v2;
+    edge[k] = p.edge;
+    right[k] = p.right;
+  }
+  std::array<Lanes, 3 * kSubStrip> corners;
+  for (std::size_t i = 0; i < kSubStrip; ++i) {
+    // The sub-strips' entries lie a whole number of bytes apart, and an entry has up to 25 bits.
+    const std::size_t position = (std::size_t{strip} * kSubStrip + i + 2) * bits;
+    const std::byte* from = payload.entries.data() + (position >> 3);
+    const auto load = [&](std::size_t k) {
+      std::uint32_t word = 0;
+      std::memcpy(&word, from + k * (kSubStrip / 8) * bits, 4);
+      return word;
+    };
+    const Lanes words{load(0), load(1), load(2), load(3), load(4), load(5), load(6), load(7)};
+    const Lanes entries = (words >> static_cast<std::uint32_t>(position & 7)) & mask;
+    const Lanes type = entries & 3;
+    const Lanes is_b = type & 1;
+    const Lanes is_c = type >> 1;
+    const Lanes left = right ^ is_b ^ 1;
+    const Lanes odd = edge & 1;
+    const Lanes turn = 2 - (is_b | is_c);
+    const Lanes leftward = 0 - left;  // all bits
+    const Lanes size = (edge & ~7U) + 8 * (is_b & odd) - 8 * (is_c & (odd ^ 1));
+    edge = (size & (kEdges - 8)) | ((edge + ((turn ^ ~leftward) - ~leftward)) & 7);
+    const Lanes place = 2 * (edge & 7);
+    const Lanes way = ((kWaysX >> place) & 3) - 1 + (((kWaysY >> place) & 3) - 1) * (1U << tables.words.xy_bits);
+    const Lanes offset = way << (edge >> 3);
+    const Lanes xy = ((v1 + offset) & leftward) | ((v2 - offset) & ~leftward);
+    const Lanes v3 = (xy & tables.xy_mask) | (entries >> 2) << height_at;
+    corners[3 * i] = v1;
+    corners[3 * i + 1] = v2;
+    corners[3 * i + 2] = v3;
+    right = left ^ is_c ^ 1;
+    v1 = (v1 & leftward) | (v3 & ~leftward);
+    v2 = (v3 & leftward) | (v2 & ~leftward);
+  }
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    for (std::size_t i = 0; i < corners.size(); ++i) *out++ = corners[i][k];
+  }
+}
+
 }  // namespace
 
 void follow_strip(const StripPayload& payload, std::span<std::uint32_t> words) {
@@ -135,28 +203,10 @@ void follow_strip(const StripPayload& payload, std::span<std::uint32_t> words) {
 void expand_sub_strips(const StripPayload& payload, std::span<std::uint32_t> words) {
   const Tables tables(payload);
   const std::size_t bits = static_cast<std::size_t>(payload.height_bits) + 2;
-  const std::uint32_t mask = (1U << bits) - 1;
-  const std::byte* entries = payload.entries.data();
-  const std::size_t size = payload.entries.size();
   std::uint32_t strip = 0;
-  // Groups of sub-strips that are all whole and whose entries end 8 bytes before the payload does.
   for (; strip + kLanes < payload.sub_strips(); strip += kLanes) {
-    const std::size_t last = ((std::size_t{strip} + kLanes) * kSubStrip + 2) * bits / 8 + 8;
-    if (last > size) break;
-    std::array<Place, kLanes> at;
-    for (std::size_t k = 0; k < kLanes; ++k) at[k] = start(tables, payload, strip + static_cast<std::uint32_t>(k));
-    std::uint32_t* out = words.data() + 3 * std::size_t{strip} * kSubStrip;
-    for (std::size_t i = 0; i < kSubStrip; ++i) {
-      for (std::size_t k = 0; k < kLanes; ++k) {
-        const std::size_t position = ((strip + k) * kSubStrip + i + 2) * bits;
-        std::uint64_t word = 0;
-        std::memcpy(&word, entries + (position >> 3), 8);
-        std::uint32_t* t = out + 3 * (k * kSubStrip + i);
-        t[0] = at[k].v1;
-        t[1] = at[k].v2;
-        t[2] = step(tables, static_cast<std::uint32_t>(word >> (position & 7)) & mask, at[k]);
-      }
-    }
+    if (((std::size_t{strip} + kLanes) * kSubStrip + 2) * bits / 8 + 4 > payload.entries.size()) break;
+    expand_lanes(tables, payload, strip, words.data() + 3 * std::size_t{strip} * kSubStrip);
   }
   for (; strip < payload.sub_strips(); ++strip) {
     Place at = start(tables, payload, strip);

@@ -39,11 +39,19 @@ StripHeader StripHeaderLayout::unpack(std::uint64_t bits) const {
   return h;
 }
 
-Expected<StripPayload> open_strip(std::span<const std::byte> bytes) {
+void put_strip_head(std::vector<std::byte>& out, std::byte version, const StripHead& head) {
+  out.insert(out.end(), {version, static_cast<std::byte>(static_cast<std::int8_t>(head.xy_shift)),
+                         static_cast<std::byte>(head.levels), static_cast<std::byte>(head.height_bits),
+                         static_cast<std::byte>(head.z_shift | head.fine << 5 | (head.holes ? 64 : 0))});
+  put_signed_varint(out, head.z_offset);
+  put_varint(out, head.triangles);
+}
+
+Expected<StripHead> take_strip_head(std::span<const std::byte>& bytes, std::byte version) {
   const auto refuse = [](const char* why) { return fail(ErrorCode::kBadData, why); };
-  StripPayload p;
+  StripHead p;
   if (bytes.size() < 6) return refuse("the payload is cut short");
-  if (bytes[0] != std::byte{1}) return refuse("the payload has a version this program does not know");
+  if (bytes[0] != version) return refuse("the payload has a version this program does not know");
   p.xy_shift = static_cast<std::int8_t>(bytes[1]);
   p.levels = static_cast<int>(bytes[2]);
   p.height_bits = static_cast<int>(bytes[3]);
@@ -60,11 +68,19 @@ Expected<StripPayload> open_strip(std::span<const std::byte> bytes) {
     return refuse("the payload's head is out of range");
   }
   p.triangles = static_cast<std::uint32_t>(triangles);
-  const std::size_t head = p.sub_strips() * StripHeaderLayout::of(p.levels).bytes;
+  return p;
+}
+
+Expected<StripPayload> open_strip(std::span<const std::byte> bytes) {
+  const auto head = take_strip_head(bytes, kStripPacked);
+  if (!head) return tl::unexpected(head.error());
+  StripPayload p;
+  static_cast<StripHead&>(p) = *head;
+  const std::size_t front = p.sub_strips() * StripHeaderLayout::of(p.levels).bytes;
   const std::size_t body = ((p.triangles + std::size_t{2}) * static_cast<std::size_t>(p.height_bits + 2) + 7) / 8;
-  if (bytes.size() != head + body) return refuse("the payload is cut short or too long");
-  p.headers = bytes.first(head);
-  p.entries = bytes.subspan(head);
+  if (bytes.size() != front + body) return fail(ErrorCode::kBadData, "the payload is cut short or too long");
+  p.headers = bytes.first(front);
+  p.entries = bytes.subspan(front);
   return p;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <vector>
 
 #include "codec/error.h"
 #include "codec/strip_path.h"
@@ -45,8 +46,8 @@ struct StripHeaderLayout {
   StripHeader unpack(std::uint64_t bits) const;
 };
 
-/// A payload's parts (docs/format.md, Payload of method `strip`), their sizes checked against each other.
-struct StripPayload {
+/// What a payload begins with (docs/format.md, Payload of method `strip`).
+struct StripHead {
   int xy_shift = 0;
   std::int64_t z_offset = 0;
   int levels = 0;       ///< The tile is 2^levels steps wide.
@@ -55,11 +56,16 @@ struct StripPayload {
   int z_shift = 0;      ///< Heights count 2^z_shift height steps.
   bool holes = false;   ///< The greatest height means that the vertex is missing, and its triangles.
   std::uint32_t triangles = 0;
-  std::span<const std::byte> headers;
-  std::span<const std::byte> entries;
 
   std::uint32_t sub_strips() const { return (triangles + kSubStrip - 1) / kSubStrip; }
   std::uint32_t missing() const { return holes ? (1U << height_bits) - 1 : UINT32_MAX; }
+};
+
+/// A payload of version 1 taken apart, the sizes of its parts checked against each other.
+struct StripPayload : StripHead {
+  std::span<const std::byte> headers;
+  std::span<const std::byte> entries;
+
   StripHeader header(std::uint32_t sub_strip) const {
     const StripHeaderLayout layout = StripHeaderLayout::of(levels);
     std::uint64_t bits = 0;
@@ -82,7 +88,15 @@ struct StripPayload {
   }
 };
 
-/// Takes a payload apart, whose bytes must outlive the result.
+/// Payload versions.
+inline constexpr auto kStripPacked = std::byte{1};
+inline constexpr auto kStripCoded = std::byte{2};
+
+void put_strip_head(std::vector<std::byte>& out, std::byte version, const StripHead& head);
+/// Reads a head of the version and drops it from `bytes`.
+Expected<StripHead> take_strip_head(std::span<const std::byte>& bytes, std::byte version);
+
+/// Takes a payload of version 1 apart, whose bytes must outlive the result.
 Expected<StripPayload> open_strip(std::span<const std::byte> bytes);
 
 }  // namespace tintree::codec

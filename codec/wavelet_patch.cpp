@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "codec/bit_coder.h"
+#include "codec/range_coder.h"
 #include "codec/jpeg2000_plane.h"
 #include "codec/varint.h"
 
@@ -119,22 +119,21 @@ class Corrections {
   std::int64_t step_;
   std::int64_t quantum_;
   int side_;
-  std::array<std::array<IntegerModel, kActivities>, 7> models_;
+  std::array<std::array<NumberModel, kActivities>, 7> models_;
 };
 
 /// Appends what brings every sample of `out` within the bound.
 void put_corrections(std::vector<std::byte>& bytes, const Patch& target, const Plane& plane, std::int64_t step,
                      std::int64_t bound, Patch& out) {
   Corrections corrections(plane, step, bound, target.side);
-  BitEncoder coder;
-  corrections.visit([&](IntegerModel& model, std::size_t i) {
+  RangeEncoder coder;
+  corrections.visit([&](NumberModel& model, std::size_t i) {
     std::int64_t number = 0;
     if (target.heights[i] != kNoHeight) {
       number = round_down(target.heights[i] - out.heights[i] + bound, corrections.quantum());
       out.heights[i] += number * corrections.quantum();
     }
-    model.put(coder, number);
-    return number;
+    return model.code(coder, number);
   });
   const std::vector<std::byte> coded = coder.finish();
   put_varint(bytes, static_cast<std::uint64_t>(bound));
@@ -153,11 +152,11 @@ Expected<void> take_corrections(std::span<const std::byte>& bytes, const Plane& 
   if (!take_varint(bytes, bound) || bound > static_cast<std::uint64_t>(kFarthest >> 20))
     return damaged("bound is out of range");
   if (!take_varint(bytes, size) || size > bytes.size()) return damaged("corrections end early");
-  BitDecoder coder(bytes.first(static_cast<std::size_t>(size)));
+  RangeDecoder coder(bytes.first(static_cast<std::size_t>(size)));
   bytes = bytes.subspan(static_cast<std::size_t>(size));
   Corrections corrections(plane, step, static_cast<std::int64_t>(bound), out.side);
-  corrections.visit([&](IntegerModel& model, std::size_t i) {
-    const std::int64_t number = model.get(coder);
+  corrections.visit([&](NumberModel& model, std::size_t i) {
+    const std::int64_t number = model.code(coder, 0);
     // Unsigned: what damaged bytes make overflow only wraps round.
     out.heights[i] = static_cast<std::int64_t>(static_cast<std::uint64_t>(out.heights[i]) +
                                                static_cast<std::uint64_t>(number) *

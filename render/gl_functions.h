@@ -51,6 +51,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLDEPTHMASKPROC, DepthMask)                                           \
   X(PFNGLDISABLEPROC, Disable)                                               \
   X(PFNGLDRAWARRAYSPROC, DrawArrays)                                         \
+  X(PFNGLDRAWELEMENTSPROC, DrawElements)                                     \
   X(PFNGLDRAWELEMENTSBASEVERTEXPROC, DrawElementsBaseVertex)                 \
   X(PFNGLENABLEPROC, Enable)                                                 \
   X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)               \

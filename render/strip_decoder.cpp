@@ -1,5 +1,6 @@
 #include "render/strip_decoder.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <span>
@@ -154,6 +155,30 @@ void StripDecoder::put_out(const StripWordBuffer& words, const codec::StripPaylo
   gl.DrawArrays(GL_POINTS, 0, static_cast<GLsizei>(payload.sub_strips()));
   gl.EndTransformFeedback();
   gl.Disable(GL_RASTERIZER_DISCARD);
+  gl.BindVertexArray(0);
+  gl.DeleteVertexArrays(1, &no_attributes);
+}
+
+Expected<StripDrawer> StripDrawer::create(const GlFunctions& gl) {
+  auto program = ShaderProgram::create(gl, "strip_draw.vert.glsl", "line.frag.glsl");
+  if (!program) return tl::unexpected(program.error());
+  return StripDrawer(gl, std::move(*program));
+}
+
+void StripDrawer::draw(const StripWordBuffer& words, const codec::StripHead& head, const std::array<float, 16>& matrix,
+                       float foot_depth) const {
+  const GlFunctions& gl = *gl_;
+  program_.use();
+  gl.UniformMatrix4fv(program_.uniform("matrix"), 1, GL_FALSE, matrix.data());
+  gl.Uniform1i(program_.uniform("levels"), head.levels);
+  gl.Uniform1f(program_.uniform("highest"), static_cast<float>(std::max(1U, (1U << head.height_bits) - 1)));
+  gl.Uniform1f(program_.uniform("foot_depth"), foot_depth);
+  GLuint no_attributes = 0;
+  gl.GenVertexArrays(1, &no_attributes);
+  gl.BindVertexArray(no_attributes);
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, words.id());
+  gl.DrawElements(GL_TRIANGLES, static_cast<GLsizei>(words.triangle_words + words.skirt_words), GL_UNSIGNED_INT,
+                  nullptr);
   gl.BindVertexArray(0);
   gl.DeleteVertexArrays(1, &no_attributes);
 }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "codec/error.h"
@@ -56,6 +58,24 @@ class StripDecoder {
 
   const GlFunctions* gl_;
   Path path_;
+  ShaderProgram program_;
+};
+
+/// Draws decoded tiles straight from their words: the index of a vertex is all that there is of it, and the card's
+/// vertex cache sees that neighbours in the strip share two. Heights are shades of grey.
+class StripDrawer {
+ public:
+  static Expected<StripDrawer> create(const GlFunctions& gl);
+
+  /// `matrix` is column-major, from (x, y, height) in the payload's units to clip space; skirts reach `foot_depth`
+  /// units of height down.
+  void draw(const StripWordBuffer& words, const codec::StripHead& head, const std::array<float, 16>& matrix,
+            float foot_depth) const;
+
+ private:
+  StripDrawer(const GlFunctions& gl, ShaderProgram program) : gl_(&gl), program_(std::move(program)) {}
+
+  const GlFunctions* gl_;
   ShaderProgram program_;
 };
 

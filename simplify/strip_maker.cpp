@@ -1,5 +1,6 @@
 #include "simplify/strip_maker.h"
 
+#include "codec/coded_strip_mesh.h"
 #include "simplify/restricted_quadtree.h"
 
 namespace tintree::simplify {
@@ -10,9 +11,9 @@ constexpr int kHeightUnit = 2;
 
 }  // namespace
 
-StripMaker::StripMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort /*effort*/,
+StripMaker::StripMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort effort,
                        const StopFlag* stop)
-    : view_(surface, stop), layout_(layout) {}
+    : view_(surface, stop), layout_(layout), effort_(effort) {}
 
 Expected<codec::TileMesh> StripMaker::make(const codec::TileId& id) {
   const std::int64_t cells = layout_.cells_across(id.level);
@@ -27,6 +28,11 @@ Expected<codec::TileMesh> StripMaker::make(const codec::TileId& id) {
   auto mesh = quadtree_tile(tree, view_, level.heights, kHeightUnit, column0, row0, id);
   if (view_.error()) return tl::unexpected(*view_.error());
   return mesh;
+}
+
+Expected<std::vector<std::byte>> StripMaker::encode(const codec::MeshCodec& codec, const codec::TileId& /*id*/,
+                                                    const codec::TileMesh& mesh) {
+  return effort_ == Effort::kBest ? codec::CodedStripMesh().encode(mesh) : codec.encode(mesh);
 }
 
 }  // namespace tintree::simplify

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "codec/vertex_fans.h"
+#include "codec/split_fans.h"
 #include "codec/wavelet_tiles.h"
 #include "simplify/neville_rows.h"
 
@@ -42,7 +42,7 @@ Expected<codec::TileMesh> stored_mesh(const StartMesh& start, std::int64_t cells
     out.triangles.push_back(
         {static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]), static_cast<std::uint32_t>(t[2])});
   }
-  codec::separate_fans(out);
+  codec::split_fans(out);
   return out;
 }
 

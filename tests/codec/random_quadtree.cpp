@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
@@ -21,7 +22,7 @@ bool inside(const Corners& t, const Place& p) {
   for (std::size_t k = 0; k < 3; ++k) {
     const auto& [ax, ay] = t[k];
     const auto& [bx, by] = t[(k + 1) % 3];
-    if ((bx - ax) * (p.second - ay) - (p.first - ax) * (by - ay) > 0) return false;
+    if (std::int64_t{bx - ax} * (p.second - ay) - std::int64_t{p.first - ax} * (by - ay) > 0) return false;
   }
   return true;
 }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "codec/coded_strip_mesh.h"
 #include "codec/strip_payload.h"
 #include "tests/codec/random_mesh.h"
 #include "tests/codec/random_quadtree.h"
@@ -16,16 +17,23 @@ using test::random_quadtree;
 using test::triangle_set;
 
 const StripMesh kCodec;
+const CodedStripMesh kCoded;
 
-void expect_round_trip(const TileMesh& mesh) {
-  const auto bytes = kCodec.encode(mesh);
+void expect_round_trip(const MeshCodec& codec, const TileMesh& mesh) {
+  const auto bytes = codec.encode(mesh);
   ASSERT_TRUE(bytes.has_value()) << bytes.error().text();
-  const auto back = kCodec.decode(*bytes);
+  const auto back = codec.decode(*bytes);
   ASSERT_TRUE(back.has_value()) << back.error().text();
   EXPECT_EQ(back->xy_shift, mesh.xy_shift);
   EXPECT_EQ(triangle_set(*back), triangle_set(mesh));
   EXPECT_EQ(back->vertices.size(), mesh.vertices.size());
-  EXPECT_EQ(*kCodec.encode(*back), *bytes);
+  EXPECT_EQ(*codec.encode(*back), *bytes);
+}
+
+/// In either payload version.
+void expect_round_trip(const TileMesh& mesh) {
+  expect_round_trip(kCodec, mesh);
+  expect_round_trip(kCoded, mesh);
 }
 
 TEST(StripMesh, KeepsRandomQuadtrees) {
@@ -99,26 +107,29 @@ TEST(StripMesh, RefusesWhatIsNoRestrictedQuadtree) {
 
 TEST(StripMesh, NoticesEveryTruncationAndExcess) {
   std::mt19937 random(26);
-  for (const double missing : {0.0, 0.1}) {
-    auto bytes = *kCodec.encode(random_quadtree(random, {.levels = 4, .splits = 20, .missing = missing}));
-    for (std::size_t size = 0; size < bytes.size(); ++size) {
-      const std::vector<std::byte> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
-      EXPECT_FALSE(kCodec.decode(cut).has_value()) << size;
+  for (const MeshCodec* codec : {static_cast<const MeshCodec*>(&kCodec), static_cast<const MeshCodec*>(&kCoded)}) {
+    for (const double missing : {0.0, 0.1}) {
+      auto bytes = *codec->encode(random_quadtree(random, {.levels = 4, .splits = 20, .missing = missing}));
+      for (std::size_t size = 0; size < bytes.size(); ++size) {
+        const std::vector<std::byte> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+        EXPECT_FALSE(codec->decode(cut).has_value()) << size;
+      }
+      bytes.push_back(std::byte{0});
+      EXPECT_FALSE(codec->decode(bytes).has_value());
     }
-    bytes.push_back(std::byte{0});
-    EXPECT_FALSE(kCodec.decode(bytes).has_value());
   }
 }
 
 TEST(StripMesh, SurvivesFlippedBytes) {
   std::mt19937 random(27);
   for (int m = 0; m < 12; ++m) {
+    const MeshCodec& codec = m % 4 < 2 ? static_cast<const MeshCodec&>(kCodec) : kCoded;
     const auto bytes =
-        *kCodec.encode(random_quadtree(random, {.levels = 3 + m % 3, .splits = 20, .missing = m % 2 * 0.1}));
+        *codec.encode(random_quadtree(random, {.levels = 3 + m % 3, .splits = 20, .missing = m % 2 * 0.1}));
     for (int i = 0; i < 300; ++i) {
       auto damaged = bytes;
       for (int f = 0; f <= i % 3; ++f) damaged[random() % damaged.size()] ^= static_cast<std::byte>(1 + random() % 255);
-      if (const auto mesh = kCodec.decode(damaged)) (void)validate(*mesh, 256);
+      if (const auto mesh = codec.decode(damaged)) (void)validate(*mesh, 256);
     }
   }
 }

@@ -9,6 +9,7 @@
 
 #include "codec/strip_list.h"
 #include "codec/strip_mesh.h"
+#include "render/offscreen_target.h"
 #include "tests/codec/random_quadtree.h"
 #include "tests/render/osmesa_test.h"
 
@@ -65,6 +66,40 @@ TEST_P(StripDecoderTest, RefusesWhatDoesNotFitIntoWords) {
     const auto bytes = *codec::StripMesh().encode(test::random_quadtree(random, spec));
     EXPECT_FALSE(decoder->decode(*codec::open_strip(bytes)));
   }
+}
+
+TEST_P(StripDecoderTest, DrawsFromTheIndexBufferAlone) {
+  const auto decoder = StripDecoder::create(gl_, GetParam());
+  const auto drawer = StripDrawer::create(gl_);
+  ASSERT_TRUE(decoder && drawer);
+  std::mt19937 random(43);
+  codec::TileMesh mesh = test::random_quadtree(random, {.levels = 4, .splits = 30});
+  // A slope, so that what lies between vertices is known: from black in the west to white in the east.
+  for (codec::GridVertex& v : mesh.vertices) v.z = v.x * 16 - (v.x == 16 ? 1 : 0);
+  const auto bytes = *codec::StripMesh().encode(mesh);
+  const StripPayload payload = *codec::open_strip(bytes);
+  const auto words = decoder->decode(payload);
+  ASSERT_TRUE(words);
+  constexpr int kSide = 128;
+  auto target = OffscreenTarget::create(gl_, kSide, kSide, 1);
+  ASSERT_TRUE(target);
+  target->bind();
+  gl_.Disable(GL_DEPTH_TEST);
+  gl_.Disable(GL_FRAMEBUFFER_SRGB);
+  gl_.ClearColor(1, 0, 0, 1);
+  gl_.Clear(GL_COLOR_BUFFER_BIT);
+  // From above, the tile fills the picture; skirts stand on edge.
+  const float step = 2.0F / 16;
+  drawer->draw(*words, payload, {step, 0, 0, 0, 0, -step, 0, 0, 0, 0, 0, 0, -1, 1, 0, 1}, 3);
+  const Picture picture = target->read_picture();
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const auto rgb = picture.at(x, y);
+      ASSERT_NEAR(rgb[0], 256.0 * (x + 0.5) / kSide, 3) << x << ' ' << y;
+      ASSERT_EQ(rgb[0], rgb[1]) << x << ' ' << y;
+    }
+  }
+  EXPECT_EQ(gl_.GetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
 
 INSTANTIATE_TEST_SUITE_P(Paths, StripDecoderTest,
