@@ -1,7 +1,7 @@
 """What is charted. A method or rival is a row of SERIES, and has that row's colour in every chart.
 
 Colours: Okabe and Ito's and Tol's, told apart by colour-blind readers; raster coders are greys. Kept for methods to come:
-#332288, #44AA99, #AA4499, #DDCC77."""
+#332288, #44AA99, #AA4499."""
 from dataclasses import dataclass
 
 from osgeo import gdal
@@ -48,6 +48,7 @@ _NODE = (BENCH / "simplify.js", BENCH / "package-lock.json")
 SERIES = [
     _tree("tintree fast", "#0072B2", "o", "--effort", "fast"),
     _tree("tintree best", "#D55E00", "s", "--effort", "best"),
+    _tree("tintree scalar", "#DDCC77", "p", "--method", "scalar"),
     _mesh("delatin", "#009E73", "^", *_NODE),
     _mesh("martini", "#E69F00", "v", *_NODE),
     _mesh("meshoptimizer", "#CC79A7", "D"),

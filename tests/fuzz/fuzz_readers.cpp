@@ -25,8 +25,8 @@ codec::TreeLayout layout() {
 }
 
 /// What decodes and validates has to survive being encoded again.
-void read_payload(std::span<const std::byte> bytes) {
-  const codec::MeshCodec& codec = *codec::find_codec("tin");
+void read_payload(const std::string& method, std::span<const std::byte> bytes) {
+  const codec::MeshCodec& codec = *codec::find_codec(method);
   const auto mesh = codec.decode(bytes);
   if (!mesh || !codec::validate(*mesh, kCells)) return;
   if (!mesh->triangles.empty() && !codec.encode(*mesh)) std::abort();
@@ -49,12 +49,15 @@ void read_bounds(std::span<const std::byte> bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const auto bytes = std::as_bytes(std::span(data, size)).subspan(1);
-  switch (data[0] % 3) {
+  switch (data[0] % 4) {
     case 0:
-      read_payload(bytes);
+      read_payload("tin", bytes);
       break;
     case 1:
       read_manifest(bytes);
+      break;
+    case 2:
+      read_payload("scalar", bytes);
       break;
     default:
       read_bounds(bytes);
