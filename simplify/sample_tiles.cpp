@@ -53,7 +53,7 @@ class Sampler {
         view_(surface, stop),
         meter_(view_),
         maker_(make_tile_maker(manifest.method, surface, manifest.layout, effort_named(manifest.effort), stop,
-                              codec::quantizer_named(manifest.quantizer))),
+                               codec::quantizer_named(manifest.quantizer))),
         codec_(codec::find_codec(manifest.method)) {}
 
   Expected<void> run(SampledTile& out) {

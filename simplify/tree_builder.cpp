@@ -161,9 +161,10 @@ Expected<std::vector<LevelSummary>> make_tiles(const ReferenceSurface& surface, 
   std::erase_if(todo, [&](const TileId& id) { return done_before.contains(id.key()); });
 
   std::vector<LevelSummary> levels = make_levels(layout);
-  tbb::enumerable_thread_specific<std::unique_ptr<TileMaker>> makers(
-      [&] { return make_tile_maker(manifest.method, surface, layout, effort_named(manifest.effort), stop,
-                              codec::quantizer_named(manifest.quantizer)); });
+  tbb::enumerable_thread_specific<std::unique_ptr<TileMaker>> makers([&] {
+    return make_tile_maker(manifest.method, surface, layout, effort_named(manifest.effort), stop,
+                           codec::quantizer_named(manifest.quantizer));
+  });
   std::optional<Error> error;
   std::size_t next = 0;
   std::uint64_t done = total - todo.size();

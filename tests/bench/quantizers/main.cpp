@@ -108,7 +108,8 @@ Expected<nlohmann::json> quantize(const Dem& dem, bool optimal, int bits, const 
   }
   if (!left.empty()) {
     std::ofstream out(left, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(heights.data()), static_cast<std::streamsize>(heights.size() * sizeof(float)));
+    out.write(reinterpret_cast<const char*>(heights.data()),
+              static_cast<std::streamsize>(heights.size() * sizeof(float)));
     if (!out.flush()) return fail(ErrorCode::kIo, "cannot be written; check folder and disk space", left);
   }
   const double mean = squares / count;
