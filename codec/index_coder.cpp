@@ -107,7 +107,7 @@ void put_quantized(std::vector<std::byte>& out, std::span<const std::int32_t> he
   if (heights.empty()) return;
   std::vector<std::int32_t> table(heights.begin(), heights.end());
   std::ranges::sort(table);
-  table.erase(std::ranges::unique(table).begin(), table.end());
+  table.erase(std::unique(table.begin(), table.end()), table.end());
   std::int32_t step = 0;
   for (const std::int32_t height : table) step = std::gcd(step, height - table.front());
   step = std::max(step, 1);

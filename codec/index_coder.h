@@ -7,8 +7,8 @@
 
 namespace tintree::codec {
 
-/// Writes heights (0 to kMaxHeightAddress) as a quantiser and their indices, as docs/format.md tells: uniform or a table,
-/// whichever is shorter.
+/// Writes heights (0 to kMaxHeightAddress) as a quantiser and their indices, as docs/format.md tells: uniform or a
+/// table, whichever is shorter.
 void put_quantized(std::vector<std::byte>& out, std::span<const std::int32_t> heights);
 
 /// Reads `heights.size()` of them; false when the bytes are not what put_quantized() writes, or more follow.

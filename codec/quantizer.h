@@ -22,8 +22,8 @@ struct HeightWeight {
   double weight = 0;  ///< Positive.
 };
 
-/// An N-level scalar quantiser (Fowler et al., section 2): its reproduction heights, rising. A height's index is that of
-/// the nearest one, of two the lower.
+/// An N-level scalar quantiser (Fowler et al., section 2): its reproduction heights, rising. A height's index is that
+/// of the nearest one, of two the lower.
 struct Quantizer {
   std::vector<double> values_m;
 

@@ -170,7 +170,8 @@ Expected<std::vector<std::byte>> ScalarCodec::encode(const TileMesh& mesh) const
   put_varint(out, static_cast<std::uint64_t>(grid.stride));
   BitWriter bits(out);
   for (const auto& places : grid.sides) {
-    if (!SidePlaces::put(bits, places)) return fail(ErrorCode::kBadData, "a side's vertices are not where halving puts them");
+    if (!SidePlaces::put(bits, places))
+      return fail(ErrorCode::kBadData, "a side's vertices are not where halving puts them");
   }
   bits.finish();
   if (holed) put_missing(out, tile->missing);

@@ -103,7 +103,8 @@ class Strip {
   /// Whether the north-east (of the north side) or south-west (of the west side) corner cell has just its corners.
   bool own_diagonal(int side) const {
     const std::vector<std::int32_t>& ends = places(side);
-    const std::vector<std::int32_t>& begins = places(side == ScalarGrid::kNorth ? ScalarGrid::kEast : ScalarGrid::kSouth);
+    const std::vector<std::int32_t>& begins =
+        places(side == ScalarGrid::kNorth ? ScalarGrid::kEast : ScalarGrid::kSouth);
     return ends[ends.size() - 2] == inner_place(inner_last(side)) && begins[1] == grid_->stride;
   }
 
@@ -239,7 +240,8 @@ void split_fans(TileMesh& mesh, const std::vector<bool>& pinched) {
   std::ranges::stable_sort(wedges, {}, &Wedge::vertex);
   std::vector<Wedge> around;
   for (auto first = wedges.begin(); first != wedges.end();) {
-    const auto last = std::ranges::find_if(first, wedges.end(), [v = first->vertex](const Wedge& w) { return w.vertex != v; });
+    const auto last =
+        std::ranges::find_if(first, wedges.end(), [v = first->vertex](const Wedge& w) { return w.vertex != v; });
     around.assign(first, last);
     static_cast<void>(take_fan(around));
     while (!around.empty()) {

@@ -9,8 +9,8 @@
 
 namespace tintree::codec {
 
-/// The shape of a tile of method `scalar` (Fowler et al., sections 4.2 and 4.3): a regular grid, and a strip of one cell
-/// between it and the tile's four sides, whose vertices are places of their own. Lengths in address steps.
+/// The shape of a tile of method `scalar` (Fowler et al., sections 4.2 and 4.3): a regular grid, and a strip of one
+/// cell between it and the tile's four sides, whose vertices are places of their own. Lengths in address steps.
 ///
 /// The inner grid's vertices lie at the multiples of `stride` inside the tile, neither on its sides nor beyond. Its
 /// cells, and those cells of the strip that have only their four corners, are cut from north-west to south-east, as the
@@ -37,7 +37,8 @@ struct ScalarGrid {
   std::size_t vertex_count() const { return border_count() + inner_count(); }
   /// Without an inner grid, a vertex at every place of the sides is asked for.
   bool is_sound() const {
-    return inner_count() > 0 || border_count() == 2 * (static_cast<std::size_t>(width) + static_cast<std::size_t>(height));
+    return inner_count() > 0 ||
+           border_count() == 2 * (static_cast<std::size_t>(width) + static_cast<std::size_t>(height));
   }
 
   /// The vertices in their order; z is 0.

@@ -97,11 +97,12 @@ Expected<void> ScalarMaker::take_samples(const codec::TileId& id, std::int64_t s
   grid_.stride = static_cast<std::int32_t>(stride);
   const auto count = static_cast<std::int64_t>(grid_.vertex_count());
   if (count > codec::kMaxGridVertices) {
-    return fail(ErrorCode::kBadData,
-                fmt::format("within the bound it takes a grid of {} vertices, more than the {} of method scalar; choose a "
-                            "larger --error, --nodata fill where samples are missing, or --method tin",
-                            count, codec::kMaxGridVertices),
-                "tile " + id.text());
+    return fail(
+        ErrorCode::kBadData,
+        fmt::format("within the bound it takes a grid of {} vertices, more than the {} of method scalar; choose a "
+                    "larger --error, --nodata fill where samples are missing, or --method tin",
+                    count, codec::kMaxGridVertices),
+        "tile " + id.text());
   }
   places_ = grid_.places();
   samples_m_.clear();

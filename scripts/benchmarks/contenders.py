@@ -101,6 +101,7 @@ CONTENDERS = [
     Contender("tintree best", _tree("--effort", "best"), _OURS, ours=True),
     Contender("tintree strip", _tree("--method", "strip"), _OURS, ours=True),
     Contender("wavelet", _tree("--method", "wavelet"), _OURS, ours=True),
+    Contender("tintree scalar", _tree("--method", "scalar"), _OURS, ours=True),
     *(Contender(rival.name, _mesh(rival), _RIVALS) for rival in MESH_RIVALS),
     Contender("LERC", _coder(lerc), _CODERS, meshes=False),
     Contender("JPEG-LS", _coder(jpegls), _CODERS, meshes=False),

@@ -72,6 +72,15 @@ TEST_F(BuildTest, MakesWaveletTilesByEitherCriterion) {
   EXPECT_EQ(cache::TileStore::open(tree_)->manifest().criterion, "rms");
 }
 
+TEST_F(BuildTest, QuantizesAsAsked) {
+  const std::string uniform = digest({"--method", "scalar", "--threads", "1"});
+  EXPECT_EQ(digest({"--method", "scalar", "--quantizer", "uniform", "--threads", "2", "--overwrite"}), uniform);
+  const ProgramResult r = build({"--method", "scalar", "--quantizer", "lloyd-max", "--resume"});
+  EXPECT_EQ(r.exit_code, kUsage) << r.all();
+  expect_message(r, {"--quantizer", "uniform there", "lloyd-max here"});
+  EXPECT_NE(digest({"--method", "scalar", "--quantizer", "lloyd-max", "--overwrite"}), uniform);
+}
+
 TEST_F(BuildTest, TakesIntegersHolesAndOddSizes) {
   write_raster(dem_, {.columns = 2, .rows = 2, .type = SampleType::kInt16}, [](int c, int r) { return c + r; });
   EXPECT_NE(digest(), "");
@@ -198,6 +207,8 @@ TEST_F(BuildTest, RefusesWrongOptions) {
   expect_refused({"--method", "wavelet", "--criterion", "mean"}, kUsage, {"--criterion"});
   expect_refused({"--method", "wavelet", "--plan"}, kUsage, {"--plan", "--method tin"});
   expect_refused({"--resume", "--overwrite"}, kUsage, {"--resume", "--overwrite"});
+  expect_refused({"--quantizer", "uniform"}, kUsage, {"--quantizer", "--method scalar"});
+  expect_refused({"--method", "scalar", "--quantizer", "finest"}, kUsage, {"--quantizer"});
 }
 
 TEST_F(BuildTest, WantsADemAndAnOutput) {

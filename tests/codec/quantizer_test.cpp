@@ -46,7 +46,8 @@ double cluster_cost(const Heights& heights, std::size_t i, std::size_t j) {
 /// The least mean square error of any quantiser, by dynamic programming over where its intervals end.
 double least_mean_square(const Heights& heights, std::size_t levels) {
   const std::size_t n = heights.size();
-  std::vector<std::vector<double>> best(levels + 1, std::vector<double>(n + 1, std::numeric_limits<double>::infinity()));
+  std::vector<std::vector<double>> best(levels + 1,
+                                        std::vector<double>(n + 1, std::numeric_limits<double>::infinity()));
   for (auto& row : best) row[0] = 0;
   for (std::size_t level = 1; level <= levels; ++level) {
     for (std::size_t j = 1; j <= n; ++j) {
@@ -134,7 +135,8 @@ TEST(LloydMax, DistortionFallsWithLevelsAndRounds) {
   const Heights heights = random_heights(random, 500);
   double last = std::numeric_limits<double>::infinity();
   for (int levels = 2; levels <= 512; levels *= 2) {
-    const double now = distortion(lloyd_max_quantizer(heights, static_cast<std::size_t>(levels)).quantizer, heights).mean_square;
+    const double now =
+        distortion(lloyd_max_quantizer(heights, static_cast<std::size_t>(levels)).quantizer, heights).mean_square;
     EXPECT_LT(now, last) << levels;
     last = now;
   }

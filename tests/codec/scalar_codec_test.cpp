@@ -197,7 +197,7 @@ TEST(ScalarCodec, FewHeightsTakeATableAndManyAStep) {
     EXPECT_EQ(back, heights);
     return static_cast<double>(bytes.size());
   };
-  EXPECT_LT(size(two), 4000.0 / 8 + 16);                         // one bit each
+  EXPECT_LT(size(two), 4000.0 / 8 + 16);                          // one bit each
   EXPECT_LT(size(three), 4000 * std::log2(3.0) / 8 * 1.01 + 16);  // no power of two
   EXPECT_LT(size(even), 4000 * std::log2(100.0) / 8 * 1.01 + 16);
 }
@@ -246,8 +246,8 @@ TEST(ScalarCodec, DequantizationIsOneMatrix) {
     for (std::size_t v = first; v < tile.z.size(); ++v) {
       const auto n = static_cast<std::int64_t>(v - first);
       const std::array<double, 4> index{static_cast<double>(n % tile.grid.columns()),
-                                        static_cast<double>(n / tile.grid.columns()),
-                                        static_cast<double>(indices[v]), 1};
+                                        static_cast<double>(n / tile.grid.columns()), static_cast<double>(indices[v]),
+                                        1};
       const auto world = frame.world(mesh.vertices[v]);
       for (std::size_t r = 0; r < 3; ++r) {
         double at = eye[r];

@@ -22,7 +22,8 @@ std::vector<std::int32_t> places(const Terrain& terrain, const LevelGrid& level,
 TEST(BorderPlaces, OfAPlaneAreEightPieces) {
   const Terrain plane = test::make_terrain(129, 129, [](int c, int r) { return 2.0 * c - r; });
   const std::vector<std::int32_t> eighths{0, 8, 16, 24, 32, 40, 48, 56, 64};
-  for (const bool southward : {false, true}) EXPECT_EQ(places(plane, level_of(64, 1), {64, 64, 64, southward}), eighths);
+  for (const bool southward : {false, true})
+    EXPECT_EQ(places(plane, level_of(64, 1), {64, 64, 64, southward}), eighths);
 }
 
 TEST(BorderPlaces, HoldHalfTheBoundAlongTheSide) {

@@ -72,7 +72,8 @@ TEST(ScalarMaker, SmoothGroundTakesAWideGrid) {
   ASSERT_TRUE(tile.has_value());
   // A plane's grid is as wide as it gets.
   const Terrain plane = test::make_terrain(257, 257, [](int c, int r) { return 3.0 * c - r; });
-  const auto flat = ScalarMaker(*plane.surface, test::make_layout(plane, 256, 8), QuantizerKind::kUniform).make({0, 0, 0});
+  const auto flat =
+      ScalarMaker(*plane.surface, test::make_layout(plane, 256, 8), QuantizerKind::kUniform).make({0, 0, 0});
   ASSERT_TRUE(flat.has_value());
   EXPECT_EQ(codec::find_scalar_tile(*flat)->grid.inner_count(), 1U);
 }
@@ -102,7 +103,8 @@ TEST(ScalarMaker, TheBoundChoosesTheLevels) {
 }
 
 TEST(ScalarMaker, TwoHeightsTakeTwoLevels) {
-  const Terrain steps = test::make_terrain(65, 65, [](int c, int r) { return test::noise(c, r) < 0.5 ? -7.0 : 5000.0; });
+  const Terrain steps =
+      test::make_terrain(65, 65, [](int c, int r) { return test::noise(c, r) < 0.5 ? -7.0 : 5000.0; });
   for (const QuantizerKind kind : {QuantizerKind::kUniform, QuantizerKind::kLloydMax}) {
     const codec::TreeLayout layout = test::make_layout(steps, 64, 1);
     const auto mesh = ScalarMaker(*steps.surface, layout, kind).make({0, 0, 0});
@@ -121,7 +123,8 @@ TEST(ScalarMaker, TilesDoNotDependOnTheirOrder) {
   std::vector<std::vector<std::byte>> first;
   for (const TileId& id : ids) first.push_back(*codec.encode(*forward.make(id)));
   ScalarMaker backward(*rough.surface, layout, QuantizerKind::kUniform);
-  for (std::size_t i = ids.size(); i-- > 0;) EXPECT_EQ(*codec.encode(*backward.make(ids[i])), first[i]) << ids[i].text();
+  for (std::size_t i = ids.size(); i-- > 0;)
+    EXPECT_EQ(*codec.encode(*backward.make(ids[i])), first[i]) << ids[i].text();
 }
 
 TEST(ScalarMaker, EndsSoonAfterAStop) {
@@ -135,7 +138,8 @@ TEST(ScalarMaker, EndsSoonAfterAStop) {
 
 /// A hole, so that all samples would be taken: more than a tile may have.
 TEST(ScalarMaker, RefusesATileOfTooManyVertices) {
-  const Terrain wide = test::make_terrain(4200, 4200, [](int c, int r) { return c == 9 && r == 9 ? test::kMissing : 1.0; });
+  const Terrain wide =
+      test::make_terrain(4200, 4200, [](int c, int r) { return c == 9 && r == 9 ? test::kMissing : 1.0; });
   const codec::TreeLayout layout = test::make_layout(wide, 4096, 1);
   const auto mesh = ScalarMaker(*wide.surface, layout, QuantizerKind::kUniform).make({0, 0, 0});
   ASSERT_FALSE(mesh.has_value());

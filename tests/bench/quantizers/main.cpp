@@ -83,14 +83,14 @@ Expected<nlohmann::json> quantize(const Dem& dem, bool optimal, int bits, const 
   std::vector<codec::Quantizer> quantizers;
   int most_iterations = 0;
   std::size_t unconverged = 0;
-  const double begun = bench::cpu_seconds();
+  const bench::CpuClock clock;
   for (const Tile& tile : dem.tiles) {
     auto made = design(tile, optimal, levels);
     most_iterations = std::max(most_iterations, made.iterations);
     unconverged += made.converged ? 0 : 1;
     quantizers.push_back(std::move(made.quantizer));
   }
-  const double design_seconds = bench::cpu_seconds() - begun;
+  const double design_seconds = clock.seconds();
   double squares = 0;
   double max_m = 0;
   double count = 0;
@@ -108,7 +108,8 @@ Expected<nlohmann::json> quantize(const Dem& dem, bool optimal, int bits, const 
   }
   if (!left.empty()) {
     std::ofstream out(left, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(heights.data()), static_cast<std::streamsize>(heights.size() * sizeof(float)));
+    out.write(reinterpret_cast<const char*>(heights.data()),
+              static_cast<std::streamsize>(heights.size() * sizeof(float)));
     if (!out.flush()) return fail(ErrorCode::kIo, "cannot be written; check folder and disk space", left);
   }
   const double mean = squares / count;
