@@ -99,6 +99,7 @@ _CODERS = (BIN / "bench_rivals", SCRIPTS / "raster_coders.py", SCRIPTS / "fittin
 CONTENDERS = [
     Contender("tintree fast", _tree("--effort", "fast"), _OURS, ours=True),
     Contender("tintree best", _tree("--effort", "best"), _OURS, ours=True),
+    Contender("nested", _tree("--method", "nested"), _OURS, ours=True),
     *(Contender(rival.name, _mesh(rival), _RIVALS) for rival in MESH_RIVALS),
     Contender("LERC", _coder(lerc), _CODERS, meshes=False),
     Contender("JPEG-LS", _coder(jpegls), _CODERS, meshes=False),

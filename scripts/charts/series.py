@@ -48,6 +48,7 @@ _NODE = (BENCH / "simplify.js", BENCH / "package-lock.json")
 SERIES = [
     _tree("tintree fast", "#0072B2", "o", "--effort", "fast"),
     _tree("tintree best", "#D55E00", "s", "--effort", "best"),
+    _tree("nested", "#44AA99", "p", "--method", "nested"),
     _mesh("delatin", "#009E73", "^", *_NODE),
     _mesh("martini", "#E69F00", "v", *_NODE),
     _mesh("meshoptimizer", "#CC79A7", "D"),

@@ -8,6 +8,7 @@
 #include "cache/manifest.h"
 #include "cache/tile_bounds.h"
 #include "codec/mesh_codec.h"
+#include "codec/nested_tile.h"
 
 namespace {
 
@@ -30,7 +31,7 @@ void read_payload(const char* method, std::span<const std::byte> bytes) {
   const codec::MeshCodec& codec = *codec::find_codec(method);
   const auto mesh = codec.decode(bytes);
   if (!mesh || !codec::validate(*mesh, kCells)) return;
-  if (!mesh->triangles.empty() && !codec.encode(*mesh) && std::string_view(method) == "tin") std::abort();
+  if (!mesh->triangles.empty() && !codec.encode(*mesh) && std::string_view(method) != "strip") std::abort();
 }
 
 void read_manifest(std::span<const std::byte> bytes) {
@@ -50,7 +51,7 @@ void read_bounds(std::span<const std::byte> bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const auto bytes = std::as_bytes(std::span(data, size)).subspan(1);
-  switch (data[0] % 4) {
+  switch (data[0] % 5) {
     case 0:
       read_payload("tin", bytes);
       break;
@@ -60,8 +61,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     case 2:
       read_bounds(bytes);
       break;
-    default:
+    case 3:
       read_payload("strip", bytes);
+      break;
+    default:
+      read_payload("nested", bytes);
+      static_cast<void>(codec::decode_nested(bytes));
   }
   return 0;
 }

@@ -76,7 +76,7 @@ TEST(NestedLod, AllowsNoMoreThanThePixelErrorInsideTheBox) {
   for (int i = 0; i < 300; ++i) {
     const auto [camera, point] = random_view(random);
     std::array<glm::dvec3, 8> corners{};
-    const double width = 1 + random() % 800;
+    const double width = 1 + static_cast<double>(random() % 800);
     for (std::size_t k = 0; k < 8; ++k) {
       corners[k] = point + glm::dvec3((k & 1) != 0 ? width : 0, (k & 2) != 0 ? -width : 0, (k & 4) != 0 ? 90 : 0);
     }
