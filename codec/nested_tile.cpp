@@ -58,8 +58,7 @@ class TileMaker {
     tile_.level_vertices.resize(static_cast<std::size_t>(tile_.levels),
                                 static_cast<std::uint32_t>(tile_.vertices.size()));
     for (std::size_t k = 0; k < largest.size(); ++k) {
-      tile_.morph_exponent[k] =
-          static_cast<std::int8_t>(exponent_for(static_cast<int>(k), all_levels_, largest[k]));
+      tile_.morph_exponent[k] = static_cast<std::int8_t>(exponent_for(static_cast<int>(k), all_levels_, largest[k]));
     }
     for (std::size_t i = 0; i < number_.size(); ++i) {
       if (points_.points()[i].gap) continue;

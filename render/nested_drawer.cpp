@@ -40,8 +40,7 @@ NestedVertex pack(const NestedTile& tile, std::size_t v) {
   const codec::GridVertex& p = tile.vertices[v];
   const auto x = static_cast<std::uint32_t>(p.x);
   const auto y = static_cast<std::uint32_t>(p.y);
-  return {(x & 0xffffU) | y << 16, static_cast<std::uint32_t>(p.z) | (x >> 16) << 22 | (y >> 16) << 25,
-          tile.morphs[v]};
+  return {(x & 0xffffU) | y << 16, static_cast<std::uint32_t>(p.z) | (x >> 16) << 22 | (y >> 16) << 25, tile.morphs[v]};
 }
 
 std::size_t most_indices(const NestedTile& tile) {
@@ -194,10 +193,9 @@ void NestedDrawer::set_tile(const Camera& camera, const Placed& tile, int which)
 void NestedDrawer::draw_tile(const Placed& tile) const {
   const NestedTile& mesh = *tile.view->tile;
   const std::size_t begin = pool_.chunks()[tile.chunk].begin;
-  gl_->DrawElementsBaseVertex(GL_TRIANGLE_FAN,
-                              static_cast<GLsizei>(mesh.fans[static_cast<std::size_t>(tile.level)].size()),
-                              GL_UNSIGNED_INT, offset(begin + vertex_room(mesh)),
-                              static_cast<GLint>(begin / kVertexBytes));
+  gl_->DrawElementsBaseVertex(
+      GL_TRIANGLE_FAN, static_cast<GLsizei>(mesh.fans[static_cast<std::size_t>(tile.level)].size()), GL_UNSIGNED_INT,
+      offset(begin + vertex_room(mesh)), static_cast<GLint>(begin / kVertexBytes));
 }
 
 /// Sides: 0 west, 1 north, 2 east, 3 south.

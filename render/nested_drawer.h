@@ -24,8 +24,8 @@ namespace tintree::render {
 
 /// A vertex as the graphics card gets it: 16 bytes.
 struct NestedVertex {
-  std::uint32_t xy = 0;     ///< Lower 16 bits of x and of y.
-  std::uint32_t rest = 0;   ///< 22 bits of z, then the upper 3 bits of x and of y.
+  std::uint32_t xy = 0;    ///< Lower 16 bits of x and of y.
+  std::uint32_t rest = 0;  ///< 22 bits of z, then the upper 3 bits of x and of y.
   std::array<std::int8_t, codec::NestedTile::kMostLevels - 1> rises{};
 };
 static_assert(sizeof(NestedVertex) == 16);
@@ -38,8 +38,8 @@ struct NestedView {
 
 struct NestedStyle {
   double pixel_error = 1;
-  bool morph = false;   ///< Vertices flow between levels; else a tile is all of one level.
-  bool stitch = true;   ///< Off only to see the gaps.
+  bool morph = false;  ///< Vertices flow between levels; else a tile is all of one level.
+  bool stitch = true;  ///< Off only to see the gaps.
   glm::vec3 background{0};
 };
 
@@ -52,8 +52,8 @@ struct NestedStats {
 };
 
 /// Draws tiles of method `nested` (Schneider and Westermann 2006, sections 5 and 6): each at the nested level that its
-/// box's corners want, its vertices morphed by the vertex shader. Graphics memory comes in chunks of a ChunkPool; into a
-/// tile's chunk go only the vertices that it has not had yet, and one level's indices. Neighbours are stitched along
+/// box's corners want, its vertices morphed by the vertex shader. Graphics memory comes in chunks of a ChunkPool; into
+/// a tile's chunk go only the vertices that it has not had yet, and one level's indices. Neighbours are stitched along
 /// their sides by triangles of no area whose vertices are copies that the same shader places. Lives and dies while its
 /// context is current; not thread-safe.
 class NestedDrawer {
@@ -84,8 +84,8 @@ class NestedDrawer {
   };
   struct Resident {
     std::size_t chunk = 0;
-    int levels_sent = 0;    // vertices of so many levels are there
-    int indices_of = -1;    // level
+    int levels_sent = 0;  // vertices of so many levels are there
+    int indices_of = -1;  // level
   };
 
   NestedDrawer(const GlFunctions& gl, const codec::TreeLayout& layout, ShaderProgram program, ChunkPool pool);

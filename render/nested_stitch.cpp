@@ -17,8 +17,8 @@ std::vector<std::array<StitchCorner, 3>> stitch(std::span<const BorderVertex> on
   auto j = static_cast<std::size_t>(from);
   while (i + 1 < one.size() || j < static_cast<std::size_t>(to)) {
     // The next of the two ends that comes first.
-    const bool ahead = j >= static_cast<std::size_t>(to) ||
-                       (i + 1 < one.size() && one[i + 1].along <= other[j + 1].along);
+    const bool ahead =
+        j >= static_cast<std::size_t>(to) || (i + 1 < one.size() && one[i + 1].along <= other[j + 1].along);
     const StitchCorner next = ahead ? StitchCorner{one[i + 1].vertex, false} : StitchCorner{other[j + 1].vertex, true};
     out.push_back({StitchCorner{one[i].vertex, false}, StitchCorner{other[j].vertex, true}, next});
     ++(ahead ? i : j);

@@ -51,8 +51,8 @@ Expected<codec::TileMesh> NestedMaker::make(const codec::TileId& id) {
   }
   HeightLattice heights{layout_.z_step_m[static_cast<std::size_t>(id.level)]};
   heights.origin = heights.address(range[0]);
-  const RightTriangles points = collect_points(std::int64_t{id.x} * cells, std::int64_t{id.y} * cells, cells,
-                                               layout_.bound_m(id.level), heights);
+  const RightTriangles points =
+      collect_points(std::int64_t{id.x} * cells, std::int64_t{id.y} * cells, cells, layout_.bound_m(id.level), heights);
   if (view_.interrupted()) return tl::unexpected(*view_.error());
   codec::TileMesh made = codec::finest_mesh(points);
   made.z_offset = heights.origin;

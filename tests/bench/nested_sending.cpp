@@ -92,10 +92,11 @@ int main(int argc, char** argv) {
     sum.new_card_bytes += c.new_card_bytes;
     sum.whole_card_bytes += c.whole_card_bytes;
   }
-  std::printf("all: block %zu whole %zu (%.2f), card_new %zu card_whole %zu (%.2f); decoded in %.3f s, %.2f M vertices/s\n",
-              sum.new_bytes, sum.whole_bytes, static_cast<double>(sum.whole_bytes) / static_cast<double>(sum.new_bytes),
-              sum.new_card_bytes, sum.whole_card_bytes,
-              static_cast<double>(sum.whole_card_bytes) / static_cast<double>(sum.new_card_bytes), seconds,
-              static_cast<double>(levels.back().vertices) / seconds / 1e6);
+  std::printf(
+      "all: block %zu whole %zu (%.2f), card_new %zu card_whole %zu (%.2f); decoded in %.3f s, %.2f M vertices/s\n",
+      sum.new_bytes, sum.whole_bytes, static_cast<double>(sum.whole_bytes) / static_cast<double>(sum.new_bytes),
+      sum.new_card_bytes, sum.whole_card_bytes,
+      static_cast<double>(sum.whole_card_bytes) / static_cast<double>(sum.new_card_bytes), seconds,
+      static_cast<double>(levels.back().vertices) / seconds / 1e6);
   return 0;
 }

@@ -267,8 +267,7 @@ TEST_P(NestedTileTest, MorphsReachTheCoarserMeshes) {
 
 TEST_P(NestedTileTest, FansNameOnlyTheirLevelsVertices) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(kLevels); ++i) {
-    for (const std::uint32_t v : whole_.fans[i])
-      EXPECT_TRUE(v == NestedTile::kRestart || v < whole_.level_vertices[i]);
+    for (const std::uint32_t v : whole_.fans[i]) EXPECT_TRUE(v == NestedTile::kRestart || v < whole_.level_vertices[i]);
     EXPECT_EQ(triangles_of(whole_.fans[i]).size(), whole_.level_triangles[i]);
   }
 }

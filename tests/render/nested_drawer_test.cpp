@@ -34,7 +34,9 @@ codec::TreeLayout layout() {
   return out;
 }
 
-double ground_m(double x, double y) { return 50 * std::sin(x / 90) * std::cos(y / 70) + 14 * std::sin(x / 19 + y / 23); }
+double ground_m(double x, double y) {
+  return 50 * std::sin(x / 90) * std::cos(y / 70) + 14 * std::sin(x / 19 + y / 23);
+}
 
 /// A tile of 65 x 65 vertices, that come level by level as the triangles are halved.
 NestedTile make_tile(const TileId& id) {
@@ -154,7 +156,8 @@ TEST_F(NestedDrawerTest, HeightsAreThoseOfThePureFunctions) {
                                             static_cast<float>(p.z - low.z) / static_cast<float>(high.z - low.z)});
       const auto weights = morph_weights(level, t.levels);
       double z = 0;
-      for (int i = 0; i < t.levels; ++i) z += static_cast<double>(weights[static_cast<std::size_t>(i)]) * t.height(v, i);
+      for (int i = 0; i < t.levels; ++i)
+        z += static_cast<double>(weights[static_cast<std::size_t>(i)]) * t.height(v, i);
       // A vertex that the mesh lacks is wherever the mesh is.
       if (v >= t.level_vertices[static_cast<std::size_t>(mesh_level(levels, t.levels))]) continue;
       const auto target = OffscreenTarget::create(gl_, 321, 241, 1);

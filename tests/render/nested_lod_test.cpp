@@ -16,8 +16,7 @@ namespace {
 
 /// By the matrices that the graphics card gets: pixels, and depth.
 glm::dvec3 project(const Camera& camera, const glm::dvec3& point) {
-  const glm::dvec4 clip =
-      camera.projection(1, true) * camera.view_rotation() * glm::dvec4(point - camera.eye, 1);
+  const glm::dvec4 clip = camera.projection(1, true) * camera.view_rotation() * glm::dvec4(point - camera.eye, 1);
   return {clip.x / clip.w * camera.width_px / 2, clip.y / clip.w * camera.height_px / 2, clip.w};
 }
 
