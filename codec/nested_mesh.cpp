@@ -67,12 +67,10 @@ Expected<std::vector<std::byte>> NestedMesh::encode(const TileMesh& mesh) const 
   if (side_bits > RightTriangles::kMostSideBits)
     return fail(ErrorCode::kBadData, "the tile is too wide for method nested; choose a larger --error or --tile");
   RightTriangles points(side_bits);
-  int levels = 0;
   const auto add = [&](const HierarchyPoint& p) {
     const bool fits = p.x >= 0 && p.y >= 0 && p.x <= points.side() && p.y <= points.side() &&
                       points.find(p.x, p.y) == RightTriangles::kNone && p.level < NestedTile::kMostLevels;
     if (fits) points.add(p);
-    levels = std::max(levels, p.level + 1);
     return fits;
   };
   for (std::size_t i = 0; i < mesh.nested_levels.size(); ++i) {
@@ -83,7 +81,7 @@ Expected<std::vector<std::byte>> NestedMesh::encode(const TileMesh& mesh) const 
     if (!add({g.x, g.y, 0, g.level, true})) return not_nested();
   }
   RightTriangles written(side_bits);
-  auto bytes = write_nested(mesh.xy_shift, mesh.z_offset, side_bits, levels, points, written);
+  auto bytes = write_nested(mesh.xy_shift, mesh.z_offset, side_bits, NestedTile::kMostLevels, points, written);
   if (bytes && !same_triangles(mesh, written)) return not_nested();
   return bytes;
 }

@@ -58,8 +58,7 @@ class TileMaker {
     tile_.level_vertices.resize(static_cast<std::size_t>(tile_.levels),
                                 static_cast<std::uint32_t>(tile_.vertices.size()));
     for (std::size_t k = 0; k < largest.size(); ++k) {
-      tile_.morph_exponent[k] =
-          static_cast<std::int8_t>(exponent_for(static_cast<int>(k), all_levels_, largest[k]));
+      tile_.morph_exponent[k] = static_cast<std::int8_t>(exponent_for(static_cast<int>(k), all_levels_, largest[k]));
     }
     for (std::size_t i = 0; i < number_.size(); ++i) {
       if (points_.points()[i].gap) continue;
@@ -83,25 +82,23 @@ class TileMaker {
  private:
   std::uint32_t number(std::int32_t point) const { return number_[static_cast<std::size_t>(point)]; }
 
-  /// Centres of squares, in the triangles' order, then all the rest: where squares are whole, their centres' fans are
-  /// all there is.
+  /// Centres of squares, small ones first, then all the rest, each in the triangles' order: where squares are whole,
+  /// their centres' fans are all there is.
   std::vector<std::uint32_t> hubs(const std::vector<Triangle>& triangles) const {
-    const auto centre = [this](std::uint32_t v) {
+    const auto unit = [this](std::uint32_t v) {
       const GridVertex& p = tile_.vertices[v];
-      const std::int32_t unit = (p.x | p.y) & -(p.x | p.y);
-      return (p.x & p.y & unit) != 0;
+      const std::int32_t u = (p.x | p.y) & -(p.x | p.y);
+      return (p.x & p.y & u) != 0 ? u : std::numeric_limits<std::int32_t>::max();
     };
     std::vector<std::uint32_t> out;
     std::vector<bool> listed(tile_.vertices.size());
-    for (const bool centres : {true, false}) {
-      for (const Triangle& t : triangles) {
-        for (const std::uint32_t v : {t[2], t[0], t[1]}) {
-          if (listed[v] || (centres && !centre(v))) continue;
-          listed[v] = true;
-          out.push_back(v);
-        }
+    for (const Triangle& t : triangles) {
+      for (const std::uint32_t v : {t[2], t[0], t[1]}) {
+        if (!listed[v]) out.push_back(v);
+        listed[v] = true;
       }
     }
+    std::ranges::stable_sort(out, {}, unit);
     return out;
   }
 

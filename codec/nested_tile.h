@@ -21,7 +21,7 @@ struct NestedTile {
 
   int xy_shift = 0;           ///< As TileMesh.
   std::int64_t z_offset = 0;  ///< As TileMesh.
-  int levels = 0;             ///< 1 to kMostLevels.
+  int levels = 0;             ///< That were read: 1 to kMostLevels.
   std::vector<GridVertex> vertices;
   std::vector<std::uint32_t> level_vertices;
   /// Each level's triangles as fans, counter-clockwise from above, kRestart between them.

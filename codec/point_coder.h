@@ -28,11 +28,9 @@ class PointCoder {
     most_ = most;
     for (std::int32_t i = 0; level_ == 0 && sound_ && i < RightTriangles::kBasePoints; ++i) add_base(i);
     if (sound_) {
-      points_.walk(
-          [this](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t x, std::int32_t y) {
-            return split(a, b, c, x, y);
-          },
-          [](std::int32_t, std::int32_t, std::int32_t) {});
+      points_.walk([this](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t x,
+                          std::int32_t y) { return split(a, b, c, x, y); },
+                   [](std::int32_t, std::int32_t, std::int32_t) {});
     }
     ++level_;
     return sound_;
@@ -104,7 +102,7 @@ class PointCoder {
   std::size_t most_ = 0;
   bool sound_ = true;
   std::int32_t last_z_ = 0;
-  std::vector<std::uint8_t> rough_;  // digits of each point's residual
+  std::vector<std::uint8_t> rough_;    // digits of each point's residual
   SparseGrid<std::uint8_t, 0> asked_;  // the level, from 1, that was last asked in vain
   std::array<std::array<BitModel, kShapes * 6>, kMostLevels> split_;
   std::array<BitModel, 3> gap_;

@@ -12,18 +12,17 @@ namespace tintree::codec {
 struct HierarchyPoint {
   std::int32_t x = 0;  ///< Address steps, as GridVertex.
   std::int32_t y = 0;
-  std::int32_t z = 0;  ///< Of a gap: nothing.
-  std::uint8_t level = 0;  ///< The nested level that first has it, 0 the coarsest.
-  bool gap = false;        ///< There is no surface here: triangles at it are left out.
+  std::int32_t z = 0;       ///< Of a gap: nothing.
+  std::uint8_t level = 0;   ///< The nested level that first has it, 0 the coarsest.
+  bool gap = false;         ///< There is no surface here: triangles at it are left out.
   std::int32_t end_a = -1;  ///< Ends of the side that it splits; -1 for the five points that are always there.
   std::int32_t end_b = -1;
 };
 
 /// Nested meshes of right triangles over one tile (Schneider and Westermann 2006, section 4): four round the tile's
-/// centre, split at the middle of the longest side wherever there is a point. The points up to a level make that level's
-/// mesh, and each triangle of a level lies in one of the level before.
-/// Points are numbered as they were added, from the five that are always there: the corners north-west, north-east,
-/// south-west, south-east, and the centre.
+/// centre, split at the middle of the longest side wherever there is a point. The points up to a level make that
+/// level's mesh, and each triangle of a level lies in one of the level before. Points are numbered as they were added,
+/// from the five that are always there: the corners north-west, north-east, south-west, south-east, and the centre.
 class RightTriangles {
  public:
   /// The tile's side is `2^side_bits` address steps (1 to kMostSideBits).

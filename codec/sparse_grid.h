@@ -8,8 +8,8 @@
 
 namespace tintree::codec {
 
-/// A value for each point of a grid, (0..side) x (0..side), kNothing at first. Memory is taken in chunks of 32 x 32 where
-/// a value has been set.
+/// A value for each point of a grid, (0..side) x (0..side), kNothing at first. Memory is taken in chunks of 32 x 32
+/// where a value has been set.
 template <typename Value, Value kNothing>
 class SparseGrid {
  public:

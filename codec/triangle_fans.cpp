@@ -52,9 +52,8 @@ std::vector<std::uint32_t> triangle_fans(std::span<const Triangle> triangles, st
     }
     while (!round.empty()) {
       // Begin where nothing leads to, if there is such a place.
-      auto at = std::ranges::find_if(round, [&](const Spread& s) {
-        return std::ranges::find(round, s.first, &Spread::last) == round.end();
-      });
+      auto at = std::ranges::find_if(
+          round, [&](const Spread& s) { return std::ranges::find(round, s.first, &Spread::last) == round.end(); });
       if (at == round.end()) at = round.begin();
       out.insert(out.end(), {hub, at->first});
       for (; at != round.end(); at = std::ranges::find(round, out.back(), &Spread::first)) {

@@ -24,8 +24,7 @@ std::optional<std::size_t> ChunkPool::take(std::uint64_t owner, std::size_t size
       best = i;
       break;
     }
-    const double score =
-        static_cast<double>(frame - c.used) * static_cast<double>(size) / static_cast<double>(c.size);
+    const double score = static_cast<double>(frame - c.used) * static_cast<double>(size) / static_cast<double>(c.size);
     if (c.used < frame && score > best_score) {
       best = i;
       best_score = score;

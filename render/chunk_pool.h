@@ -25,8 +25,8 @@ class ChunkPool {
   /// Of all chunks.
   std::size_t bytes() const { return chunks_.empty() ? 0 : chunks_.back().begin + chunks_.back().size; }
 
-  /// A chunk of at least `size` for `owner`, marked as used in `frame`: the smallest empty one that does; else, of those
-  /// not used in this frame, the one with the most frames since its last use for each time that it is larger than
+  /// A chunk of at least `size` for `owner`, marked as used in `frame`: the smallest empty one that does; else, of
+  /// those not used in this frame, the one with the most frames since its last use for each time that it is larger than
   /// needed (least recently used, weighed against tightest fit). Its index, or nothing when there is none.
   std::optional<std::size_t> take(std::uint64_t owner, std::size_t size, std::uint64_t frame);
   void use(std::size_t chunk, std::uint64_t frame) { chunks_[chunk].used = frame; }

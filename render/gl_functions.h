@@ -80,6 +80,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLLINKPROGRAMPROC, LinkProgram)                                       \
   X(PFNGLPIXELSTOREIPROC, PixelStorei)                                       \
   X(PFNGLPOLYGONMODEPROC, PolygonMode)                                       \
+  X(PFNGLPRIMITIVERESTARTINDEXPROC, PrimitiveRestartIndex)                   \
   X(PFNGLREADPIXELSPROC, ReadPixels)                                         \
   X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample) \
   X(PFNGLSHADERSOURCEPROC, ShaderSource)                                     \

@@ -17,9 +17,9 @@ namespace tintree::render {
 /// matrix. 0 at the eye's depth and behind it.
 double lod_scale_m(const Camera& camera, const glm::dvec3& point, const glm::dvec2& along = {0, 1});
 
-/// The nested level wanted at the corners of a tile's box, real numbers: 0 the coarsest, levels - 1 the tile's own mesh.
-/// They grow without end towards the eye. Corner k lies east on the grid if bit 0 of k is set, south if bit 1 is, at the
-/// top if bit 2 is.
+/// The nested level wanted at the corners of a tile's box, real numbers: 0 the coarsest, levels - 1 the tile's own
+/// mesh. They grow without end towards the eye. Corner k lies east on the grid if bit 0 of k is set, south if bit 1 is,
+/// at the top if bit 2 is.
 using CornerLevels = std::array<float, 8>;
 
 /// Level i is wanted where its tolerance, 2^(levels - 1 - i) bounds, is what the pixel error allows:

@@ -41,10 +41,6 @@ NestedMaker::NestedMaker(const ReferenceSurface& surface, const codec::TreeLayou
                          const StopFlag* stop)
     : view_(surface, stop), layout_(layout) {}
 
-int NestedMaker::levels(int tile_cells) {
-  return std::min<int>(codec::NestedTile::kMostLevels, std::bit_width(static_cast<unsigned>(tile_cells)));
-}
-
 Expected<codec::TileMesh> NestedMaker::make(const codec::TileId& id) {
   const std::int64_t cells = layout_.cells_across(id.level);
   const auto range = view_.surface().height_range_m(layout_.cells(id));
@@ -55,8 +51,8 @@ Expected<codec::TileMesh> NestedMaker::make(const codec::TileId& id) {
   }
   HeightLattice heights{layout_.z_step_m[static_cast<std::size_t>(id.level)]};
   heights.origin = heights.address(range[0]);
-  const RightTriangles points = collect_points(std::int64_t{id.x} * cells, std::int64_t{id.y} * cells, cells,
-                                               layout_.bound_m(id.level), heights);
+  const RightTriangles points =
+      collect_points(std::int64_t{id.x} * cells, std::int64_t{id.y} * cells, cells, layout_.bound_m(id.level), heights);
   if (view_.interrupted()) return tl::unexpected(*view_.error());
   codec::TileMesh made = codec::finest_mesh(points);
   made.z_offset = heights.origin;
@@ -85,16 +81,16 @@ RightTriangles NestedMaker::collect_points(std::int64_t column0, std::int64_t ro
     const auto [x, y] = points.base_place(i);
     add({x, y}, 0);
   }
-  const int count = levels(layout_.tile_cells);
+  constexpr int kLevels = codec::NestedTile::kMostLevels;
   const double half_sample_m = std::min(layout_.dx_m, layout_.dy_m) / 2;
   bool stops_early = true;
   std::optional<RestrictedQuadtree> coarser;
-  for (int level = 0; level < count && !view_.interrupted(); ++level) {
-    const double tolerance_m = std::ldexp(bound_m, count - 1 - level);
+  for (int level = 0; level < kLevels && !view_.interrupted(); ++level) {
+    const double tolerance_m = std::ldexp(bound_m, kLevels - 1 - level);
     RestrictedQuadtree tree(view_, {cells, tolerance_m, {heights.step_m}}, column0, row0);
     if (coarser) tree.add(*coarser);
     if (level == 0) stops_early = !has_gap(tree, view_, column0, row0);
-    const double least_unit = level == count - 1 || !stops_early ? 0 : tolerance_m / half_sample_m;
+    const double least_unit = level == kLevels - 1 || !stops_early ? 0 : tolerance_m / half_sample_m;
     tree.for_each_triangle([&](const SplitPoint& a, const SplitPoint& b, const SplitPoint& c) {
       for (const SplitPoint& p : {a, b, c}) {
         const bool known = points.find(static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y)) >= 0;

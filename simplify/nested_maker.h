@@ -6,7 +6,7 @@
 
 namespace tintree::simplify {
 
-/// Method `nested` (Schneider and Westermann 2006, section 4): a tile is the finest of up to nine nested restricted
+/// Method `nested` (Schneider and Westermann 2006, section 4): a tile is the finest of nine nested restricted
 /// quadtree meshes over it, whose tolerances are the level's bound times 1, 2, 4, ..., 256. The vertices of a coarser
 /// one are among those of the finer. A coarser mesh is not refined where its vertices would come closer together than
 /// its tolerance (the paper's second condition), so on cliffs it can be further off than that; not so the tile's own,
@@ -17,9 +17,6 @@ class NestedMaker final : public TileMaker {
               const StopFlag* stop = nullptr);
 
   Expected<codec::TileMesh> make(const codec::TileId& id) override;
-
-  /// How many nested levels a tile of a tree has: one for each halving of its cells, nine at most.
-  static int levels(int tile_cells);
 
  private:
   codec::RightTriangles collect_points(std::int64_t column0, std::int64_t row0, std::int64_t cells, double bound_m,

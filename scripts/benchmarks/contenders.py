@@ -99,9 +99,7 @@ _CODERS = (BIN / "bench_rivals", SCRIPTS / "raster_coders.py", SCRIPTS / "fittin
 CONTENDERS = [
     Contender("tintree fast", _tree("--effort", "fast"), _OURS, ours=True),
     Contender("tintree best", _tree("--effort", "best"), _OURS, ours=True),
-    Contender("tintree strip", _tree("--method", "strip"), _OURS, ours=True),
-    Contender("wavelet", _tree("--method", "wavelet"), _OURS, ours=True),
-    Contender("tintree scalar", _tree("--method", "scalar"), _OURS, ours=True),
+    *(Contender(f"tintree {name}", _tree("--method", name), _OURS, ours=True) for name in ("strip", "nested", "wavelet", "scalar")),
     *(Contender(rival.name, _mesh(rival), _RIVALS) for rival in MESH_RIVALS),
     Contender("LERC", _coder(lerc), _CODERS, meshes=False),
     Contender("JPEG-LS", _coder(jpegls), _CODERS, meshes=False),

@@ -1,7 +1,6 @@
 """What is charted. A method or rival is a row of SERIES, and has that row's colour in every chart.
 
-Colours: Okabe and Ito's and Tol's, told apart by colour-blind readers; raster coders are greys. Kept for methods to come:
-#44AA99."""
+Colours: Okabe and Ito's and Tol's, told apart by colour-blind readers; raster coders are greys."""
 from dataclasses import dataclass
 
 from osgeo import gdal
@@ -49,8 +48,9 @@ SERIES = [
     _tree("tintree fast", "#0072B2", "o", "--effort", "fast"),
     _tree("tintree best", "#D55E00", "s", "--effort", "best"),
     _tree("tintree strip", "#332288", "d", "--method", "strip"),
-    _tree("wavelet", "#AA4499", "p", "--method", "wavelet"),
-    _tree("tintree scalar", "#DDCC77", "p", "--method", "scalar"),
+    _tree("tintree nested", "#44AA99", "p", "--method", "nested"),
+    _tree("tintree wavelet", "#AA4499", "H", "--method", "wavelet"),
+    _tree("tintree scalar", "#DDCC77", "8", "--method", "scalar"),
     _mesh("delatin", "#009E73", "^", *_NODE),
     _mesh("martini", "#E69F00", "v", *_NODE),
     _mesh("meshoptimizer", "#CC79A7", "D"),

@@ -162,7 +162,7 @@ TEST(NestedMesh, SurvivesFlippedBytes) {
 class NestedTileTest : public testing::TestWithParam<double> {
  protected:
   void SetUp() override {
-    const RandomPoints made(7, 7, 12, kLevels, GetParam(), 400);
+    const RandomPoints made(7, 7, 8, kLevels, GetParam(), 400);
     mesh_ = finest_mesh(made.points());
     bytes_ = *kCodec.encode(mesh_);
     whole_ = *decode_nested(bytes_);
@@ -182,7 +182,7 @@ class NestedTileTest : public testing::TestWithParam<double> {
     return out;
   }
 
-  static constexpr int kLevels = 6;
+  static constexpr int kLevels = NestedTile::kMostLevels;
   TileMesh mesh_;
   std::vector<std::byte> bytes_;
   NestedTile whole_;
@@ -267,8 +267,7 @@ TEST_P(NestedTileTest, MorphsReachTheCoarserMeshes) {
 
 TEST_P(NestedTileTest, FansNameOnlyTheirLevelsVertices) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(kLevels); ++i) {
-    for (const std::uint32_t v : whole_.fans[i])
-      EXPECT_TRUE(v == NestedTile::kRestart || v < whole_.level_vertices[i]);
+    for (const std::uint32_t v : whole_.fans[i]) EXPECT_TRUE(v == NestedTile::kRestart || v < whole_.level_vertices[i]);
     EXPECT_EQ(triangles_of(whole_.fans[i]).size(), whole_.level_triangles[i]);
   }
 }

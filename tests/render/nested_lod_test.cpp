@@ -16,8 +16,7 @@ namespace {
 
 /// By the matrices that the graphics card gets: pixels, and depth.
 glm::dvec3 project(const Camera& camera, const glm::dvec3& point) {
-  const glm::dvec4 clip =
-      camera.projection(1, true) * camera.view_rotation() * glm::dvec4(point - camera.eye, 1);
+  const glm::dvec4 clip = camera.projection(1, true) * camera.view_rotation() * glm::dvec4(point - camera.eye, 1);
   return {clip.x / clip.w * camera.width_px / 2, clip.y / clip.w * camera.height_px / 2, clip.w};
 }
 
@@ -76,7 +75,7 @@ TEST(NestedLod, AllowsNoMoreThanThePixelErrorInsideTheBox) {
   for (int i = 0; i < 300; ++i) {
     const auto [camera, point] = random_view(random);
     std::array<glm::dvec3, 8> corners{};
-    const double width = 1 + random() % 800;
+    const double width = 1 + static_cast<double>(random() % 800);
     for (std::size_t k = 0; k < 8; ++k) {
       corners[k] = point + glm::dvec3((k & 1) != 0 ? width : 0, (k & 2) != 0 ? -width : 0, (k & 4) != 0 ? 90 : 0);
     }

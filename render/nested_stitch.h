@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tintree::render {
+
+/// A vertex of a tile's outline: its place along a line that two tiles share, in half samples of the DEM.
+struct BorderVertex {
+  std::int64_t along = 0;
+  std::uint32_t vertex = 0;
+};
+
+/// Corner of a triangle between two tiles: a vertex of the first (`other` false) or the second.
+struct StitchCorner {
+  std::uint32_t vertex = 0;
+  bool other = false;
+
+  friend bool operator==(const StitchCorner&, const StitchCorner&) = default;
+};
+
+/// Triangles that fill what is open between the outlines of two tiles along a line, seen from above of no area
+/// (Schneider and Westermann 2006, section 5). Both lists in ascending order; `other` may reach beyond `one`, and is
+/// used from one vertex before it to one behind, so that neighbouring stitches overlap. None where a list has under two
+/// vertices.
+std::vector<std::array<StitchCorner, 3>> stitch(std::span<const BorderVertex> one, std::span<const BorderVertex> other);
+
+}  // namespace tintree::render
