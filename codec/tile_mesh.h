@@ -39,8 +39,8 @@ struct TileMesh {
   std::vector<Triangle> triangles;
   /// Method `nested` alone (codec/nested_tile.h): which of its levels, 0 the coarsest, first has each vertex;
   /// for those at the end that repeat others (split_fans()), nothing.
-  std::vector<std::uint8_t> nested_levels;
-  std::vector<NestedGap> nested_gaps;
+  std::vector<std::uint8_t> nested_levels{};
+  std::vector<NestedGap> nested_gaps{};
 };
 
 /// Limits of the format; readers refuse what exceeds them before they allocate for it.

@@ -46,9 +46,15 @@ const Scene& scene() {
   return s;
 }
 
+std::unique_ptr<simplify::TileMaker> make_maker() {
+  cache::Manifest manifest;
+  manifest.layout = scene().layout;
+  return simplify::make_tile_maker(manifest, *scene().surface);
+}
+
 /// Samples a second of making one tile; argument: its level (1 a leaf, 0 its parent).
 void make_tile(benchmark::State& state) {
-  const auto maker = simplify::make_tile_maker({.layout = scene().layout}, *scene().surface);
+  const auto maker = make_maker();
   const codec::TileId id{static_cast<int>(state.range(0)), 0, 0};
   const std::int64_t cells = scene().layout.cells_across(id.level);
   for (auto _ : state) benchmark::DoNotOptimize(maker->make(id));
@@ -58,7 +64,7 @@ BENCHMARK(make_tile)->Arg(1)->Arg(0)->Unit(benchmark::kMillisecond);
 
 /// Vertices a second through the codec.
 void encode(benchmark::State& state) {
-  const auto mesh = *simplify::make_tile_maker({.layout = scene().layout}, *scene().surface)->make({1, 0, 0});
+  const auto mesh = *make_maker()->make({1, 0, 0});
   const codec::MeshCodec& codec = *codec::find_codec("tin");
   for (auto _ : state) benchmark::DoNotOptimize(codec.encode(mesh));
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.vertices.size()));
@@ -66,7 +72,7 @@ void encode(benchmark::State& state) {
 BENCHMARK(encode)->Unit(benchmark::kMicrosecond);
 
 void decode(benchmark::State& state) {
-  const auto mesh = *simplify::make_tile_maker({.layout = scene().layout}, *scene().surface)->make({1, 0, 0});
+  const auto mesh = *make_maker()->make({1, 0, 0});
   const codec::MeshCodec& codec = *codec::find_codec("tin");
   const auto bytes = *codec.encode(mesh);
   for (auto _ : state) benchmark::DoNotOptimize(codec.decode(bytes));

@@ -52,7 +52,11 @@ struct Scene {
 
   /// The payloads of the leaves.
   std::vector<std::vector<std::byte>> leaves(const std::string& effort = "fast") const {
-    const auto maker = simplify::make_tile_maker({.method = "strip", .effort = effort, .layout = layout}, *surface);
+    cache::Manifest manifest;
+    manifest.method = "strip";
+    manifest.effort = effort;
+    manifest.layout = layout;
+    const auto maker = simplify::make_tile_maker(manifest, *surface);
     const codec::MeshCodec& codec = *codec::find_codec("strip");
     std::vector<std::vector<std::byte>> out;
     const int level = layout.leaf_level;

@@ -168,8 +168,16 @@ TEST(TinMaker, RefusesReliefThatTheFormatCannotHold) {
 TEST(TileMaker, IsFoundByItsName) {
   const Terrain terrain = test::make_terrain(9, 9, [](int, int) { return 5.0; });
   const codec::TreeLayout layout = test::make_layout(terrain, 8, 1);
-  EXPECT_NE(make_tile_maker({.method = "tin", .layout = layout}, *terrain.surface), nullptr);
-  EXPECT_EQ(make_tile_maker({.method = "tun", .layout = layout}, *terrain.surface), nullptr);
+  cache::Manifest manifest;
+  manifest.layout = layout;
+  for (const std::string& method : method_names()) {
+    manifest.method = method;
+    EXPECT_NE(make_tile_maker(manifest, *terrain.surface), nullptr) << method;
+    EXPECT_NE(codec::find_codec(method), nullptr) << method;
+  }
+  manifest.method = "tun";
+  EXPECT_EQ(make_tile_maker(manifest, *terrain.surface), nullptr);
+  EXPECT_EQ(codec::find_codec("tun"), nullptr);
 }
 
 /// Crops of real elevation models, where the checkout has them.
