@@ -213,8 +213,7 @@ std::string Manifest::difference(const Manifest& other) const {
   const bool same_heights = samples_digest == other.samples_digest;
   for (const std::string& d :
        {differ("--method", method, other.method), differ("--effort", effort, other.effort),
-        differ("--quantizer", quantizer, other.quantizer),
-        differ("--criterion", criterion, other.criterion),
+        differ("--quantizer", quantizer, other.quantizer), differ("--criterion", criterion, other.criterion),
         differ("--nodata", std::string(nodata_name(nodata)), std::string(nodata_name(other.nodata))),
         differ("--tile", a.tile_cells, b.tile_cells), differ("--normal-maps", normal_maps, other.normal_maps),
         // Says more than the size and spacing that come of it.

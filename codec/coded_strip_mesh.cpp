@@ -110,7 +110,7 @@ Expected<std::vector<std::byte>> CodedStripMesh::encode(const TileMesh& mesh) co
   }
   path.number();
   code_heights(encoder, source->head, path, sizes, heights);
-  std::ranges::copy(encoder.finish(), std::back_inserter(out));
+  std::ranges::copy(encoder.finish(0), std::back_inserter(out));
   return out;
 }
 
@@ -135,7 +135,7 @@ Expected<TileMesh> CodedStripMesh::decode(std::span<const std::byte> bytes) cons
   }
   path.number();
   std::vector<std::uint32_t> heights(head->triangles + std::size_t{2});
-  if (!code_heights(decoder, *head, path, sizes, heights) || decoder.exhausted()) return refuse();
+  if (!code_heights(decoder, *head, path, sizes, heights) || !decoder.finished()) return refuse();
   return path.mesh(heights);
 }
 

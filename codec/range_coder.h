@@ -57,10 +57,10 @@ class RangeEncoder {
     normalise();
     return value;
   }
-  /// All bytes, less up to kRangeSpare zeros at their end. The encoder is used up.
-  std::vector<std::byte> finish() {
+  /// All bytes, less up to `spare` (0 to kRangeSpare) zeros at their end. The encoder is used up.
+  std::vector<std::byte> finish(std::size_t spare = kRangeSpare) {
     for (int i = 0; i < 5; ++i) shift();
-    for (std::size_t i = 0; i < kRangeSpare && !out_.empty() && out_.back() == std::byte{0}; ++i) out_.pop_back();
+    for (std::size_t i = 0; i < spare && !out_.empty() && out_.back() == std::byte{0}; ++i) out_.pop_back();
     return std::move(out_);
   }
 
@@ -119,6 +119,8 @@ class RangeDecoder {
   }
   /// Whether more has been asked for than was ever written: the bytes are cut short or no such code.
   bool exhausted() const { return missing_ > kRangeSpare; }
+  /// Whether exactly the bytes of finish(0) have been read.
+  bool finished() const { return bytes_.empty() && missing_ == 0; }
 
  private:
   void normalise() {

@@ -319,12 +319,8 @@ class Putter final : public Coder {
     std::ranges::sort(triangles_);
   }
 
-  bool bit(BitModel& model, bool truth) override {
-    return coder_.bit(model, truth);
-  }
-  std::int64_t number(NumberModel& model, std::int64_t truth) override {
-    return model.code(coder_, truth);
-  }
+  bool bit(BitModel& model, bool truth) override { return coder_.bit(model, truth); }
+  std::int64_t number(NumberModel& model, std::int64_t truth) override { return model.code(coder_, truth); }
   bool splits(const Spot& spot) const override { return splits_.contains(key(spot)); }
   bool height(const Spot& spot, std::int64_t& z) const override {
     const auto at = heights_.find(key(spot));

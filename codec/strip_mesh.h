@@ -10,8 +10,8 @@ namespace tintree::codec {
 class StripMesh final : public MeshCodec {
  public:
   Expected<std::vector<std::byte>> encode(const TileMesh& mesh) const override;
-  /// Of either payload version; of this one it follows the strip and compares every header with it; refuses a strip that leaves its square, but does not look
-  /// whether it overlaps itself (the payload's checksum does).
+  /// Of either payload version. Of this one it follows the strip and compares every header with it; refuses a strip
+  /// that leaves its square, but does not look whether it overlaps itself (the payload's checksum does).
   Expected<TileMesh> decode(std::span<const std::byte> bytes) const override;
 };
 

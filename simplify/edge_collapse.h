@@ -73,7 +73,7 @@ class EdgeCollapse {
   std::int32_t mark_value_ = 0;
   std::vector<Candidate> candidates_;
   double untried_cost_ = 0;  // the least of those beyond the sweep's threshold
-  Ring ring_;  // around the vertex that a candidate would leave
+  Ring ring_;                // around the vertex that a candidate would leave
 };
 
 }  // namespace tintree::simplify

@@ -56,6 +56,7 @@ Expected<SceneCounts> SceneCounter::count(const render::Camera& camera) const {
   const render::LodCut cut = render::lod_cut(bounds, camera, {}, [](std::uint32_t) { return true; });
   const render::CameraAxes axes = camera.axes();
   const render::ScreenError screen_error(camera);
+  const double most_gain = std::max(render::ScreenError::kLeastGain, camera.vertical_gain());
   const GroundBlocks& ground = ladder_.ground();
   SceneCounts out;
   out.tiles = cut.draws.size();
@@ -83,7 +84,7 @@ Expected<SceneCounts> SceneCounter::count(const render::Camera& camera) const {
         out.one_tile += ladder_.triangles(block, layout.bound_m(id.level));
         out.any_error += ladder_.triangles(block, allowed_m(in_box_m));
         out.fewest += fewest;
-        out.fewest_level += ladder_.triangles(block, allowed_m(footprint_m / camera.vertical_gain()));
+        out.fewest_level += ladder_.triangles(block, allowed_m(footprint_m / most_gain));
         if (here_m > ladder_.coarsest_m()) out.beyond_ladder += fewest;
       }
     }
