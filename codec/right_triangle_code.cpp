@@ -10,6 +10,7 @@
 
 #include "codec/range_coder.h"
 #include "codec/split_fans.h"
+#include "codec/split_hierarchy.h"
 
 namespace tintree::codec {
 namespace {
@@ -18,12 +19,7 @@ using Index = std::int32_t;
 constexpr Index kNone = -1;
 constexpr std::int64_t kSquares = 16;
 
-struct Spot {
-  std::int64_t x = 0;
-  std::int64_t y = 0;
-
-  friend bool operator==(const Spot&, const Spot&) = default;
-};
+using Spot = SplitPoint;
 
 /// A point at which triangles are split, or a corner of the squares.
 struct Point {
@@ -362,24 +358,11 @@ void Putter::force(const Spot& spot) {
   const auto [x, y] = spot;
   if (x < 0 || y < 0 || x > cells_ || y > cells_ || (x % square_ == 0 && y % square_ == 0)) return;
   if (!splits_.emplace(key(spot), true).second) return;
-  const std::int64_t unit = (x | y) & -(x | y);
-  const bool odd_x = (x & unit) != 0;
-  const bool odd_y = (y & unit) != 0;
-  if (odd_x && odd_y) {
-    const std::int64_t side = 2 * unit;
-    if (side >= square_) return;
-    const std::int64_t west = x - unit;
-    const std::int64_t north = y - unit;
-    const bool even = ((west / side + north / side) & 1) == 0;
-    force({even ? west + side : west, north});
-    force({even ? west : west + side, north + side});
-  } else if (odd_x) {
-    force({x, y - unit});
-    force({x, y + unit});
-  } else {
-    force({x - unit, y});
-    force({x + unit, y});
-  }
+  const std::int64_t unit = split_unit(spot);
+  // The corners of squares are there without any split.
+  const bool centre = (x & unit) != 0 && (y & unit) != 0;
+  if (centre && 2 * unit >= square_) return;
+  for (const Spot& parent : split_parents(spot)) force(parent);
 }
 
 /// Takes one.

@@ -13,29 +13,12 @@
 #include "tests/simplify/support.h"
 #include "tests/simplify/whole_tree.h"
 #include "tests/support/adversarial_terrain.h"
-#include "tests/support/temp_dir.h"
 
 namespace tintree::test {
 namespace {
 
 using codec::NestedTile;
 using codec::TileMesh;
-
-Terrain open_terrain(const AdversarialTerrain& shape) {
-  const TempDir dir;
-  write_terrain(dir.file("dem.tif"), shape);
-  return read_terrain(dir.file("dem.tif"));
-}
-
-void expect_sound_tree_of(const Terrain& terrain, int tile_cells, double wished_error_m) {
-  const double error_m = accepted_error_m(terrain, tile_cells, wished_error_m);
-  SCOPED_TRACE(testing::Message() << "tile " << tile_cells << ", error " << error_m << " m");
-  const TempDir dir;
-  const auto tree =
-      build_whole_tree(terrain, make_layout(terrain, tile_cells, error_m), dir.file("t.tintree"), "fast", "nested");
-  ASSERT_TRUE(tree.has_value()) << tree.error().text();
-  expect_sound_tree(terrain, *tree);
-}
 
 class NestedMakerTest : public testing::TestWithParam<AdversarialTerrain> {};
 
@@ -46,7 +29,7 @@ TEST_P(NestedMakerTest, KeepsItsPromises) {
   if (!terrain.surface->has_surface()) return;
   const cache::RasterInfo& info = terrain.surface->blocks().source().info();
   const double spacing_m = std::sqrt(info.dx_m * info.dy_m);
-  expect_sound_tree_of(terrain, shape.columns > 100 ? 32 : 16, spacing_m / 2);
+  expect_sound_build(terrain, shape.columns > 100 ? 32 : 16, spacing_m / 2, "nested");
 }
 
 INSTANTIATE_TEST_SUITE_P(Terrains, NestedMakerTest, testing::ValuesIn(adversarial_terrains()),

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/temp_dir.h"
+
 namespace tintree::test {
 namespace {
 
@@ -183,6 +185,23 @@ void expect_sound_tree(const Terrain& terrain, const WholeTree& tree) {
     borders.add(layout, id, *mesh);
     if (testing::Test::HasFailure()) return;
   }
+}
+
+Terrain open_terrain(const AdversarialTerrain& shape) {
+  const TempDir dir;
+  write_terrain(dir.file("dem.tif"), shape);
+  return read_terrain(dir.file("dem.tif"));
+}
+
+void expect_sound_build(const Terrain& terrain, int tile_cells, double wished_error_m, const std::string& method,
+                        const std::string& effort) {
+  const double error_m = accepted_error_m(terrain, tile_cells, wished_error_m);
+  SCOPED_TRACE(testing::Message() << "tile " << tile_cells << ", error " << error_m << " m");
+  const TempDir dir;
+  const auto tree =
+      build_whole_tree(terrain, make_layout(terrain, tile_cells, error_m), dir.file("t.tintree"), effort, method);
+  ASSERT_TRUE(tree.has_value()) << tree.error().text();
+  expect_sound_tree(terrain, *tree);
 }
 
 }  // namespace tintree::test
