@@ -38,7 +38,7 @@ Expected<void> add_pictures(const TileCache::Source& tree, bool texture_blocks, 
 /// Makes a tile ready to turn into its parent, which is read too where it is not at hand.
 Expected<void> add_morph(const TileCache::Source& tree, std::shared_ptr<const DrawableTile> parent, Loaded& loaded) {
   if (parent == nullptr) {
-    auto read = load(tree, loaded.tile->id.parent());
+    auto read = load(tree, tree.layout.parent(loaded.tile->id));
     if (!read) return tl::unexpected(read.error());
     loaded.payload_bytes += read->payload_bytes;
     parent = std::move(read->tile);
@@ -159,7 +159,7 @@ void TileCache::work() {
     in_work_ = job;
     busy_ = true;
     const codec::TileId& id = job.ref.id;
-    const auto at = id.level > 0 ? by_ref_.find({id.parent(), job.ref.tree}) : by_ref_.end();
+    const auto at = id.level > 0 ? by_ref_.find({trees_[job.ref.tree].layout.parent(id), job.ref.tree}) : by_ref_.end();
     const auto parent = at != by_ref_.end() ? at->second->tile : nullptr;
     lock.unlock();
     auto loaded = prepare(trees_[job.ref.tree], id, options_, parent);

@@ -63,7 +63,7 @@ Expected<std::vector<std::byte>> encode_wavelet_tile(const TreeLayout& layout, c
 Expected<std::shared_ptr<const Patch>> WaveletDecoder::take_patch(const TileId& id, std::span<const std::byte>& bytes) {
   std::shared_ptr<const Patch> parent;
   if (id.level > 0) {
-    auto above = patch(id.parent());
+    auto above = patch(layout_.parent(id));
     if (!above) return above;
     parent = std::move(*above);
   }

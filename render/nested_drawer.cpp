@@ -253,7 +253,7 @@ void NestedDrawer::stitch_sides(const Camera& camera, std::span<const Placed> ti
       auto at = by_key.find(next.key());
       if (at != by_key.end() && side >= 2) continue;
       while (at == by_key.end() && next.level > 0) {
-        next = next.parent();
+        next = layout_->parent(next);
         at = by_key.find(next.key());
       }
       if (at != by_key.end()) stitch_pair(camera, t, *at->second, side, stats);
