@@ -127,11 +127,12 @@ bool GpuTilePool::find_gap(std::size_t length, Place& out) {
 }
 
 bool GpuTilePool::add_page(std::size_t length) {
-  const std::size_t left = budget_bytes_ - std::min(reserved_bytes_, budget_bytes_);
+  const std::size_t taken = std::min(reserved_bytes_ + aside_bytes_, budget_bytes_);
+  const std::size_t left = budget_bytes_ - taken;
   const std::size_t usual = std::clamp(budget_bytes_ / kPages, std::size_t{1} << 20, kLargestPage) / kUnit;
   const std::size_t units = std::min(std::max(usual, length), left / kUnit);
   if (units < length) return false;
-  Page page{0, 0, 0, RangeAllocator(units)};
+  Page page{0, 0, 0, RangeAllocator(units), units * kUnit};
   while (gl_->GetError() != GL_NO_ERROR) {
   }
   gl_->GenBuffers(1, &page.buffer);
@@ -142,11 +143,44 @@ bool GpuTilePool::add_page(std::size_t length) {
   if (gl_->GetError() != GL_NO_ERROR) {
     // The card has less than the budget: what there is has to do.
     free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
-    budget_bytes_ = reserved_bytes_;
+    budget_bytes_ = taken;
     return false;
   }
-  pages_.push_back(std::move(page));
-  reserved_bytes_ += units * kUnit;
+  reserved_bytes_ += page.bytes;
+  const auto given_back = std::ranges::find(pages_, GLuint{0}, &Page::buffer);
+  if (given_back != pages_.end()) {
+    *given_back = std::move(page);
+  } else {
+    pages_.push_back(std::move(page));
+  }
+  return true;
+}
+
+bool GpuTilePool::set_aside(std::size_t bytes) {
+  aside_bytes_ = 0;
+  if (bytes > budget_bytes_) return false;
+  while (reserved_bytes_ + bytes > budget_bytes_) {
+    if (!drop_page()) return false;
+  }
+  aside_bytes_ = bytes;
+  return true;
+}
+
+bool GpuTilePool::drop_page() {
+  std::vector<bool> kept(pages_.size());
+  for (std::size_t i = 0; i < pages_.size(); ++i) kept[i] = pages_[i].buffer == 0;
+  for (const Entry& e : entries_) kept[e.place.page] = kept[e.place.page] || e.frame == frame_;
+  const auto at = std::ranges::find(kept, false);
+  if (at == kept.end()) return false;
+  const auto dropped = static_cast<std::size_t>(at - kept.begin());
+  for (auto e = entries_.begin(); e != entries_.end();) {
+    const auto entry = e++;
+    if (entry->place.page == dropped) evict(entry);
+  }
+  const Page& page = pages_[dropped];
+  free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
+  reserved_bytes_ -= page.bytes;
+  pages_[dropped] = {0, 0, 0, RangeAllocator(0), 0};
   return true;
 }
 
@@ -168,14 +202,15 @@ bool GpuTilePool::make_room_for_pictures(std::size_t bytes) {
   return true;
 }
 
-void GpuTilePool::evict_oldest() {
-  const Entry& oldest = entries_.back();
-  pages_[oldest.place.page].free.give(oldest.place.begin, oldest.place.length);
-  bytes_ -= oldest.tile.bytes;
-  picture_bytes_ -= oldest.tile.pictures.bytes;
-  textures_.give_back(oldest.tile.pictures);
-  tiles_.erase(oldest.ref);
-  entries_.pop_back();
+void GpuTilePool::evict_oldest() { evict(std::prev(entries_.end())); }
+
+void GpuTilePool::evict(Entries::iterator entry) {
+  pages_[entry->place.page].free.give(entry->place.begin, entry->place.length);
+  bytes_ -= entry->tile.bytes;
+  picture_bytes_ -= entry->tile.pictures.bytes;
+  textures_.give_back(entry->tile.pictures);
+  tiles_.erase(entry->ref);
+  entries_.erase(entry);
 }
 
 }  // namespace tintree::render

@@ -42,7 +42,7 @@ struct GpuTile {
 /// current; not thread-safe.
 class GpuTilePool {
  public:
-  /// Graphics memory for tiles' meshes and for their pictures, never exceeded.
+  /// Graphics memory for tiles' meshes, with what is set aside, and for their pictures; never exceeded.
   GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes, std::size_t picture_budget_bytes = 0);
   ~GpuTilePool();
   GpuTilePool(const GpuTilePool&) = delete;
@@ -54,6 +54,10 @@ class GpuTilePool {
   bool upload(const cache::TileRef& ref, const cache::DrawableTile& tile);
   /// The tile, marked as used in this frame, or null.
   const GpuTile* use(const cache::TileRef& tile);
+  /// Keeps that much of the memory for meshes free for something else, instead of what it kept before; buffers that are
+  /// too many then are given back with their tiles. False, and nothing is set aside any more, when it cannot because of
+  /// what this frame has used so far.
+  bool set_aside(std::size_t bytes);
   /// From here on what has been used before may make room.
   void end_frame() { ++frame_; }
 
@@ -69,6 +73,7 @@ class GpuTilePool {
     GLuint morph_vertex_array = 0;  ///< and of cache::MorphVertex.
     GLuint buffer = 0;
     RangeAllocator free;  ///< In units of one vertex.
+    std::size_t bytes = 0;
   };
   struct Place {
     std::size_t page = 0;
@@ -92,19 +97,23 @@ class GpuTilePool {
   bool place(std::size_t length, Place& out);
   bool find_gap(std::size_t length, Place& out);
   bool add_page(std::size_t length);
+  /// Gives back a buffer that this frame does not use; false when there is none.
+  bool drop_page();
   void evict_oldest();
+  void evict(Entries::iterator entry);
   /// The same for a tile's pictures.
   bool make_room_for_pictures(std::size_t bytes);
 
   const GlFunctions* gl_;
   std::size_t budget_bytes_;
+  std::size_t aside_bytes_ = 0;  ///< Of these.
   std::size_t picture_budget_bytes_;
   PictureTextures textures_;
   std::size_t bytes_ = 0;
   std::size_t picture_bytes_ = 0;  ///< Of these.
   std::size_t reserved_bytes_ = 0;
   std::uint64_t frame_ = 0;
-  std::vector<Page> pages_;
+  std::vector<Page> pages_;  ///< Those given back stay, without a buffer.
   Entries entries_;  ///< The most recently used first.
   std::unordered_map<cache::TileRef, Entries::iterator, cache::TileRefHash> tiles_;
 };

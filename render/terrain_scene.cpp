@@ -135,6 +135,10 @@ LodCut TerrainScene::advance(const Camera& camera, std::optional<double> seconds
   };
   LodCut cut = choose();
   if (take_over(cut.requests) > 0) cut = choose();
+  if (far_picture_ && pool_full_) {
+    give_up_far_picture();
+    return advance(camera, seconds);
+  }
   occlusion_pays_.note_frame(cut.draws.size(), cut.occluded);
   count_misses(cut.requests);
   std::vector<cache::TileRef> ahead = seconds ? tiles_ahead(camera, *seconds) : std::vector<cache::TileRef>{};
@@ -158,10 +162,21 @@ std::vector<cache::TileRef> TerrainScene::plan_far_picture(const Camera& camera)
     LodCut chosen = cut();
     return take_over(chosen.requests) > 0 ? cut() : chosen;
   };
-  auto missing = far_picture_->plan(camera, trees_, options_.cut, choose);
-  std::erase_if(missing, [this](const cache::TileRef& t) { return cache_->lost(t); });
-  far_picture_lacks_ = !missing.empty() && !pool_full_;
-  return missing;
+  auto missing = far_picture_->plan(camera, trees_, pool_, options_.cut, choose);
+  // The view itself has room for its tiles.
+  if (std::exchange(pool_full_, false) || !missing) {
+    give_up_far_picture();
+    return {};
+  }
+  std::erase_if(*missing, [this](const cache::TileRef& t) { return cache_->lost(t); });
+  far_picture_lacks_ = !missing->empty();
+  return std::move(*missing);
+}
+
+void TerrainScene::give_up_far_picture() {
+  far_picture_.reset();
+  far_picture_lacks_ = false;
+  pool_.set_aside(0);
 }
 
 LodCut TerrainScene::update(const Camera& camera, std::optional<double> seconds) {
@@ -175,7 +190,7 @@ void TerrainScene::sum_up() {
   const cache::TileCache::Stats cache = cache_->stats();
   stats_.bytes_read = cache.bytes_read - std::exchange(bytes_read_before_, cache.bytes_read);
   stats_.cache_bytes = cache.bytes;
-  stats_.gpu_bytes = pool_.bytes();
+  stats_.gpu_bytes = pool_.bytes() + (far_picture_ ? far_picture_->bytes() : 0);
   stats_.gpu_memory_full = pool_full_;
 }
 
