@@ -8,6 +8,7 @@
 
 #include "cache/occluder.h"
 #include "cache/tile_pictures.h"
+#include "cache/tile_relief.h"
 #include "codec/grid_frame.h"
 #include "codec/tile_id.h"
 #include "codec/tile_mesh.h"
@@ -76,7 +77,8 @@ struct DrawableTile {
   std::uint32_t surface_triangles = 0;
   std::optional<MorphMesh> morph;            ///< None for a tile that does not morph.
   std::shared_ptr<const Occluder> occluder;  ///< What the surface hides; never null.
-  TilePictures pictures;                     ///< make_drawable() leaves them out.
+  TilePictures pictures;                     ///< make_drawable() leaves them out,
+  std::optional<TileRelief> relief;          ///< and this: of tiles that are lit by their patch.
 
   std::size_t index_count() const { return indices.size() + wide_indices.size(); }
   std::uint32_t index(std::size_t i) const { return indices.empty() ? wide_indices[i] : indices[i]; }
@@ -84,7 +86,7 @@ struct DrawableTile {
   std::size_t index_bytes() const { return 2 * indices.size() + 4 * wide_indices.size(); }
   std::size_t bytes() const {
     return sizeof *this + vertex_bytes() + index_bytes() + (morph ? morph->bytes() : 0) + occluder->bytes() +
-           pictures.bytes();
+           pictures.bytes() + (relief ? relief->bytes() : 0);
   }
 };
 

@@ -12,6 +12,7 @@ namespace {
 
 struct Loaded {
   std::shared_ptr<DrawableTile> tile;
+  codec::TileMesh mesh;
   std::size_t payload_bytes = 0;
 };
 
@@ -23,8 +24,8 @@ Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id) {
     mesh.error().where = tree.store->path() + ": " + mesh.error().where;
     return tl::unexpected(mesh.error());
   }
-  return Loaded{std::make_shared<DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides)),
-                stored->payload.size()};
+  auto tile = std::make_shared<DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides));
+  return Loaded{std::move(tile), std::move(*mesh), stored->payload.size()};
 }
 
 Expected<void> add_pictures(const TileCache::Source& tree, bool texture_blocks, Loaded& loaded) {
@@ -32,6 +33,16 @@ Expected<void> add_pictures(const TileCache::Source& tree, bool texture_blocks, 
   if (!pictures) return tl::unexpected(pictures.error());
   loaded.tile->pictures = std::move(*pictures);
   loaded.payload_bytes += loaded.tile->pictures.bytes();
+  return {};
+}
+
+/// For a tile without a stored normal map: what its method has to light it by.
+Expected<void> add_relief(const TileCache::Source& tree, Loaded& loaded) {
+  if (tree.store->manifest().normal_maps) return {};
+  auto residual = tree.store->patch_residual(loaded.tile->id);
+  if (!residual) return tl::unexpected(residual.error());
+  if (*residual)
+    loaded.tile->relief = make_tile_relief(tree.layout, loaded.tile->id, loaded.mesh, std::move(**residual));
   return {};
 }
 
@@ -52,6 +63,7 @@ Expected<Loaded> prepare(const TileCache::Source& tree, const codec::TileId& id,
   auto loaded = load(tree, id);
   if (!loaded) return loaded;
   if (auto done = add_pictures(tree, options.texture_blocks, *loaded); !done) return tl::unexpected(done.error());
+  if (auto done = add_relief(tree, *loaded); !done) return tl::unexpected(done.error());
   // A tile whose parent is damaged can still be drawn.
   if (options.morph && id.level > 0) static_cast<void>(add_morph(tree, parent, *loaded));
   return loaded;

@@ -1,6 +1,7 @@
 #include "render/gpu_tile_pool.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tintree::render {
 namespace {
@@ -40,10 +41,18 @@ void free_page(const GlFunctions& gl, GLuint vertex_array, GLuint morph_vertex_a
 
 }  // namespace
 
-GpuTilePool::GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes, std::size_t picture_budget_bytes)
-    : gl_(&gl), budget_bytes_(budget_bytes), picture_budget_bytes_(picture_budget_bytes), textures_(gl) {}
+GpuTilePool::GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes, std::size_t picture_budget_bytes,
+                         std::unique_ptr<PatchReconstructor> reconstructor)
+    : gl_(&gl),
+      budget_bytes_(budget_bytes),
+      picture_budget_bytes_(picture_budget_bytes),
+      textures_(gl),
+      reconstructor_(std::move(reconstructor)) {}
 
 GpuTilePool::~GpuTilePool() {
+  if (reconstructor_) {
+    for (const Entry& entry : entries_) reconstructor_->destroy(entry.tile.relief);
+  }
   for (const Page& page : pages_) free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
 }
 
@@ -54,7 +63,10 @@ bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& t
   // yet.
   const std::size_t morph_bytes = tile.morph ? tile.morph->bytes() + sizeof(MorphVertex) : 0;
   Place at;
-  if (!make_room_for_pictures(tile.pictures.bytes())) return false;
+  const GLuint parent = tile.relief ? parent_heights(*tile.relief, ref.tree) : 0;
+  const bool relief = reconstructor_ && tile.relief && (parent != 0 || !tile.relief->parent);
+  const std::size_t relief_bytes = relief ? PatchReconstructor::bytes(*tile.relief) : 0;
+  if (!make_room_for_pictures(tile.pictures.bytes() + relief_bytes)) return false;
   if (!place((bytes + morph_bytes + kUnit - 1) / kUnit, at)) return false;
   const Page& page = pages_[at.page];
   const std::size_t begin = at.begin * kUnit;
@@ -75,8 +87,9 @@ bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& t
   out.frame = tile.frame;
   out.occluder = tile.occluder;
   out.pictures = textures_.upload(tile.pictures);
-  picture_bytes_ += out.pictures.bytes;
-  out.bytes = at.length * kUnit + out.pictures.bytes;
+  if (relief) out.relief = reconstructor_->make(*tile.relief, parent);
+  picture_bytes_ += out.pictures.bytes + out.relief.bytes;
+  out.bytes = at.length * kUnit + out.pictures.bytes + out.relief.bytes;
   bytes_ += out.bytes;
   entries_.push_front({ref, out, at, frame_});
   tiles_[ref] = entries_.begin();
@@ -202,13 +215,20 @@ bool GpuTilePool::make_room_for_pictures(std::size_t bytes) {
   return true;
 }
 
+GLuint GpuTilePool::parent_heights(const cache::TileRelief& relief, std::uint32_t tree) {
+  if (!relief.parent) return 0;
+  const GpuTile* parent = use({*relief.parent, tree});
+  return parent == nullptr ? 0 : parent->relief.heights;
+}
+
 void GpuTilePool::evict_oldest() { evict(std::prev(entries_.end())); }
 
 void GpuTilePool::evict(Entries::iterator entry) {
   pages_[entry->place.page].free.give(entry->place.begin, entry->place.length);
   bytes_ -= entry->tile.bytes;
-  picture_bytes_ -= entry->tile.pictures.bytes;
+  picture_bytes_ -= entry->tile.pictures.bytes + entry->tile.relief.bytes;
   textures_.give_back(entry->tile.pictures);
+  if (reconstructor_) reconstructor_->destroy(entry->tile.relief);
   tiles_.erase(entry->ref);
   entries_.erase(entry);
 }

@@ -12,6 +12,7 @@
 #include "cache/tile_ref.h"
 #include "codec/grid_frame.h"
 #include "render/gl_functions.h"
+#include "render/patch_reconstructor.h"
 #include "render/picture_textures.h"
 #include "render/range_allocator.h"
 
@@ -34,6 +35,7 @@ struct GpuTile {
   codec::GridFrame frame;
   std::shared_ptr<const cache::Occluder> occluder;
   GpuPictures pictures;
+  GpuRelief relief;
   std::size_t bytes = 0;
 };
 
@@ -42,8 +44,10 @@ struct GpuTile {
 /// current; not thread-safe.
 class GpuTilePool {
  public:
-  /// Graphics memory for tiles' meshes, with what is set aside, and for their pictures; never exceeded.
-  GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes, std::size_t picture_budget_bytes = 0);
+  /// Graphics memory for tiles' meshes, with what is set aside, and for their pictures and reliefs; never exceeded. Without `reconstructor`
+  /// reliefs are left out.
+  GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes, std::size_t picture_budget_bytes = 0,
+              std::unique_ptr<PatchReconstructor> reconstructor = nullptr);
   ~GpuTilePool();
   GpuTilePool(const GpuTilePool&) = delete;
   GpuTilePool& operator=(const GpuTilePool&) = delete;
@@ -51,6 +55,7 @@ class GpuTilePool {
   bool contains(const cache::TileRef& tile) const { return tiles_.contains(tile); }
   /// Copies the tile to the card and marks it as used in this frame. False when it does not fit beside what this frame
   /// has used so far.
+  /// The tile's relief is made where its parent's is here; else the tile is lit by its mesh.
   bool upload(const cache::TileRef& ref, const cache::DrawableTile& tile);
   /// The tile, marked as used in this frame, or null.
   const GpuTile* use(const cache::TileRef& tile);
@@ -66,6 +71,7 @@ class GpuTilePool {
   std::size_t tiles() const { return tiles_.size(); }
   /// Of the buffers, tiles or not.
   std::size_t reserved_bytes() const { return reserved_bytes_; }
+  bool makes_reliefs() const { return reconstructor_ != nullptr; }
 
  private:
   struct Page {
@@ -103,14 +109,17 @@ class GpuTilePool {
   void evict(Entries::iterator entry);
   /// The same for a tile's pictures.
   bool make_room_for_pictures(std::size_t bytes);
+  /// The heights that a tile's relief is made of, kept while it is; 0 where there are none.
+  GLuint parent_heights(const cache::TileRelief& relief, std::uint32_t tree);
 
   const GlFunctions* gl_;
   std::size_t budget_bytes_;
   std::size_t aside_bytes_ = 0;  ///< Of these.
   std::size_t picture_budget_bytes_;
   PictureTextures textures_;
+  std::unique_ptr<PatchReconstructor> reconstructor_;
   std::size_t bytes_ = 0;
-  std::size_t picture_bytes_ = 0;  ///< Of these.
+  std::size_t picture_bytes_ = 0;  ///< Of these, reliefs too.
   std::size_t reserved_bytes_ = 0;
   std::uint64_t frame_ = 0;
   std::vector<Page> pages_;  ///< Those given back stay, without a buffer.

@@ -153,8 +153,10 @@ DrawStats Renderer::draw_ground(const Camera& camera, Trees trees, const LodCut&
     const cache::TileBounds& tree = *trees[d.tree];
     const auto across = static_cast<double>(tree.layout().cells_across(tree.nodes()[d.node].id.level));
     set(*gl_, tile_share, std::ldexp(1.0, tile->frame.xy_shift) / across);
-    gl_->Uniform1i(normal_mapped, tile->pictures.directions != 0 ? 1 : 0);
-    pool.textures().bind(tile->pictures);
+    GpuPictures pictures = tile->pictures;
+    if (pictures.directions == 0) pictures.directions = tile->relief.normals;
+    gl_->Uniform1i(normal_mapped, pictures.directions != 0 ? 1 : 0);
+    pool.textures().bind(pictures);
     const glm::vec4 tint = tile_tint(style.tint, tree.nodes()[d.node], d, style.allowed_px);
     gl_->Uniform4f(tile_tint_at, tint.r, tint.g, tint.b, tint.a);
     const bool morphs = d.morph > 0 && tile->morph.vertex_array != 0;

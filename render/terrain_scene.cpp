@@ -17,10 +17,15 @@ std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::
   return out;
 }
 
+/// Whether its tiles are lit by their patches.
+bool has_reliefs(const cache::TileStore* store) {
+  return store->manifest().method == "wavelet" && !store->manifest().normal_maps;
+}
+
 /// What of the graphics memory meshes may take: a half where there are pictures.
 std::size_t mesh_bytes(TerrainScene::Stores stores, std::size_t gpu_bytes) {
   const bool pictures = std::ranges::any_of(stores, [](const cache::TileStore* store) {
-    return store->manifest().texture_size > 0 || store->manifest().normal_maps;
+    return store->manifest().texture_size > 0 || store->manifest().normal_maps || has_reliefs(store);
   });
   return pictures ? gpu_bytes / 2 : gpu_bytes;
 }
@@ -35,14 +40,20 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
   if (!places) return tl::unexpected(places.error());
   auto renderer = Renderer::create(gl);
   if (!renderer) return tl::unexpected(renderer.error());
+  std::unique_ptr<PatchReconstructor> reconstructor;
+  if (std::ranges::any_of(stores, has_reliefs)) {
+    auto made = PatchReconstructor::create(gl);
+    if (!made) return tl::unexpected(made.error());
+    reconstructor = std::move(*made);
+  }
   std::unique_ptr<FarPicture> far_picture;
   if (options.impostors) {
     auto made = FarPicture::create(gl);
     if (!made) return tl::unexpected(made.error());
     far_picture = std::move(*made);
   }
-  return std::unique_ptr<TerrainScene>(
-      new TerrainScene(gl, stores, *places, options, std::move(*renderer), std::move(far_picture)));
+  return std::unique_ptr<TerrainScene>(new TerrainScene(gl, stores, *places, options, std::move(*renderer),
+                                                        std::move(reconstructor), std::move(far_picture)));
 }
 
 Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& gl, const cache::TileStore& store,
@@ -52,13 +63,15 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
 }
 
 TerrainScene::TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places,
-                           const SceneOptions& options, Renderer renderer, std::unique_ptr<FarPicture> far_picture)
+                           const SceneOptions& options, Renderer renderer,
+                           std::unique_ptr<PatchReconstructor> reconstructor, std::unique_ptr<FarPicture> far_picture)
     : options_(options),
       cache_(std::make_unique<cache::TileCache>(
           sources(stores, places),
           cache::TileCache::Options{
               .bytes = options.cache_bytes, .morph = options.cut.morph, .texture_blocks = gl.texture_blocks})),
-      pool_(gl, mesh_bytes(stores, options.gpu_bytes), options.gpu_bytes - mesh_bytes(stores, options.gpu_bytes)),
+      pool_(gl, mesh_bytes(stores, options.gpu_bytes), options.gpu_bytes - mesh_bytes(stores, options.gpu_bytes),
+            std::move(reconstructor)),
       renderer_(std::move(renderer)),
       far_picture_(std::move(far_picture)) {
   placed_.reserve(stores.size());
@@ -85,6 +98,10 @@ std::size_t TerrainScene::take_over(std::vector<cache::TileRef>& wanted) {
       missing.push_back(ref);
       continue;
     }
+    if (!bring_parent(ref, *tile, missing)) {
+      missing.push_back(ref);
+      continue;
+    }
     if (!pool_.upload(ref, *tile)) {
       pool_full_ = true;
       continue;
@@ -97,6 +114,21 @@ std::size_t TerrainScene::take_over(std::vector<cache::TileRef>& wanted) {
   stats_.uploads += static_cast<std::uint32_t>(moved);
   stats_.upload_bytes += moved_bytes;
   return moved;
+}
+
+bool TerrainScene::bring_parent(const cache::TileRef& ref, const cache::DrawableTile& tile,
+                                std::vector<cache::TileRef>& missing) {
+  if (!pool_.makes_reliefs() || !tile.relief || !tile.relief->parent) return true;
+  const cache::TileRef parent{*tile.relief->parent, ref.tree};
+  if (pool_.use(parent) != nullptr || cache_->lost(parent)) return true;
+  const auto ready = cache_->get(parent);
+  if (ready == nullptr) {
+    if (std::ranges::find(missing, parent) == missing.end()) missing.push_back(parent);
+    return false;
+  }
+  // Where it does not fit, the tile has to do without.
+  if (bring_parent(parent, *ready, missing) && !pool_.upload(parent, *ready)) pool_full_ = true;
+  return pool_full_ || pool_.contains(parent);
 }
 
 void TerrainScene::count_misses(std::span<const cache::TileRef> missing) {
