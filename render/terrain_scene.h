@@ -108,7 +108,9 @@ class TerrainScene {
   void sum_up();
 
   SceneOptions options_;
-  std::vector<cache::TileBounds> placed_;  ///< Of all trees but the first, which lies where its store says.
+  /// Of all trees but the first, which lies where its store says, unless its errors are raised.
+  std::vector<cache::TileBounds> placed_;
+  std::vector<std::uint8_t> nested_;  ///< 1 for trees that are drawn by their nested levels.
   std::vector<const cache::TileBounds*> trees_;
   std::unique_ptr<cache::TileCache> cache_;
   GpuTilePool pool_;
