@@ -49,6 +49,10 @@ void TileBounds::link_children() {
   }
 }
 
+void TileBounds::raise_errors() {
+  for (TileNode& node : nodes_) node.lod_error_m = codec::round_up(layout_.bound_m(node.id.level));
+}
+
 TileBounds TileBounds::placed(const codec::TreeLayout& layout) const {
   TileBounds out = *this;
   out.layout_ = layout;

@@ -52,6 +52,9 @@ class TileBounds {
   /// `tiles` in ascending key order, every tile's parent among them.
   TileBounds(const codec::TreeLayout& layout, std::span<const TileInfo> tiles);
 
+  /// Takes the bound of its level for every tile's error. Then which tile of a place is fine enough does not depend on
+  /// how well others happen to keep their bounds: what nested levels need that are to morph into the next tile's.
+  void raise_errors();
   /// The same tiles, lying elsewhere.
   TileBounds placed(const codec::TreeLayout& layout) const;
 

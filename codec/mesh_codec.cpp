@@ -25,6 +25,8 @@ class PlainDecoder final : public TileDecoder {
 
 }  // namespace
 
+Expected<std::optional<PatchResidual>> TileDecoder::patch_residual(const TileId&) { return std::nullopt; }
+
 const MeshCodec* find_codec(std::string_view method) {
   struct Method {
     std::string_view name;

@@ -3,12 +3,14 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "codec/error.h"
 #include "codec/grid_frame.h"
+#include "codec/patch_residual.h"
 #include "codec/tile_id.h"
 #include "codec/tile_mesh.h"
 
@@ -38,6 +40,10 @@ class TileDecoder {
 
   /// As MeshCodec::decode().
   virtual Expected<TileMesh> decode(const TileId& id, std::span<const std::byte> bytes) = 0;
+
+  /// What a tile's patch adds to what its parent's foretells, for a graphics card to make it of; nothing for methods
+  /// without patches. Cheap (0.3 ms) for a tile that has just been decoded.
+  virtual Expected<std::optional<PatchResidual>> patch_residual(const TileId& id);
 };
 
 /// For a tree of the method; null for one that this version lacks. `read` is asked for what a tile builds on, by

@@ -224,6 +224,7 @@ class Walk {
   }
 
   void summarise() {
+    cut_.options = options_;
     if (!cut_.draws.empty()) cut_.nearest_m = std::numeric_limits<double>::infinity();
     for (const DrawTile& d : cut_.draws) {
       cut_.max_error_px = std::max(cut_.max_error_px, d.error_px);

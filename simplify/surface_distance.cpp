@@ -72,10 +72,6 @@ bool patch_settles(const PlanePatch& patch, double x0, double y0, const Extent& 
   return lowest - static_cast<double>(patch.high) >= -bound_m && highest - static_cast<double>(patch.low) <= bound_m;
 }
 
-Extent overlap(const Extent& a, const Extent& b) {
-  return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
-}
-
 Extent square_extent(std::int64_t x, std::int64_t y, int cells) {
   const auto x0 = static_cast<double>(x);
   const auto y0 = static_cast<double>(y);
@@ -231,15 +227,18 @@ bool SurfaceDistance::within(int size, const TrianglePlane& plane, const Extent&
   return true;
 }
 
+/// Whether any sample lies in a part of the triangle that reaches nowhere beyond the DEM.
 bool SurfaceDistance::any_sample(int size, const TrianglePlane& plane, const Extent& extent) {
   const int cells = kPatchCells[static_cast<std::size_t>(size)];
-  for (std::int64_t y = square_start(extent.y0, window_.row0(), cells); static_cast<double>(y) <= extent.y1;
-       y += cells) {
-    for (std::int64_t x = square_start(extent.x0, window_.column0(), cells); static_cast<double>(x) <= extent.x1;
-         x += cells) {
+  // The last column and row belong to the squares before them.
+  const double last_x = window_.extent().x1 - 1;
+  const double last_y = window_.extent().y1 - 1;
+  const std::int64_t x0 = square_start(std::min(extent.x0, last_x), window_.column0(), cells);
+  const std::int64_t y0 = square_start(std::min(extent.y0, last_y), window_.row0(), cells);
+  for (std::int64_t y = y0; static_cast<double>(y) <= std::min(extent.y1, last_y); y += cells) {
+    for (std::int64_t x = x0; static_cast<double>(x) <= std::min(extent.x1, last_x); x += cells) {
       const Extent square = square_extent(x, y, cells);
-      const PlanePatch* patch = window_.patch_at(size, x, y);
-      if (plane.misses(square) || (patch != nullptr && patch->empty())) continue;
+      if (plane.misses(square) || window_.patch_at(size, x, y)->empty()) continue;
       const Extent part = overlap(extent, square);
       if (size > 0) {
         if (any_sample(size - 1, plane, part)) return true;
@@ -261,7 +260,7 @@ SurfaceDistance::Fit SurfaceDistance::fit_triangle(const Point& a, const Point& 
   const Extent extent = plane.extent;
   const double length = std::max(extent.x1 - extent.x0, extent.y1 - extent.y0);
   const int size = length < kLargeCells ? -1 : patch_size_for(length);
-  bool fits = window_.holds(extent.x0, extent.y0, extent.x1, extent.y1) && within(size, plane, extent, bound_m);
+  bool fits = window_.extent().holds(extent) && within(size, plane, extent, bound_m);
   // Edges against the grid's diagonal cross it in the middle of each cell.
   for (std::size_t k = 0; k < 3 && fits; ++k) {
     const Point& p = plane.corner[k];
@@ -281,7 +280,8 @@ SurfaceDistance::Fit SurfaceDistance::fit_triangle(const Point& a, const Point& 
     if (!std::isnan(window_.sample(static_cast<std::int64_t>(p.x), static_cast<std::int64_t>(p.y))))
       return Fit::kBeyond;
   }
-  return any_sample(std::max(size, 0), plane, extent) ? Fit::kBeyond : Fit::kMissing;
+  const Extent in_dem = overlap(extent, window_.extent());
+  return !in_dem.empty() && any_sample(std::max(size, 0), plane, in_dem) ? Fit::kBeyond : Fit::kMissing;
 }
 
 }  // namespace tintree::simplify

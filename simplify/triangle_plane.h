@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "simplify/extent.h"
 #include "simplify/sample_rect.h"
 
 namespace tintree::simplify {
@@ -20,11 +21,6 @@ struct Point {
 inline constexpr double kOnGridLine = 1e-9;
 /// Corners lie on multiples of 1 / kCornerParts samples.
 inline constexpr int kCornerParts = 4;
-
-/// An axis-parallel rectangle in samples, sides included.
-struct Extent {
-  double x0, y0, x1, y1;
-};
 
 /// A triangle's height and the hub's weight in it as linear functions, and its sides as half-planes.
 struct TrianglePlane {
