@@ -73,7 +73,8 @@ class Walk {
   }
 
   bool is_fine_enough(const cache::TileNode& node, const Seen& seen) const {
-    const bool sharp = bounds_->texel_m(node.id.level) == 0 || seen.texel_px <= options_.texel_px;
+    const bool sharp = bounds_->texel_m(node.id.level) == 0 || seen.texel_px <= options_.texel_px ||
+                       bounds_->layout().is_leaf_square(node.id.level);  // There are none finer.
     return seen.error_px <= options_.pixel_error && sharp;
   }
 
