@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "simplify/patch_sizes.h"
 #include "simplify/sample_rect.h"
@@ -16,7 +17,7 @@ namespace {
 constexpr double kMinWeight = 1e-6;
 /// Smaller triangles (in cells) have no sample off the outer edge whose weight is that low, or is rounded to it.
 constexpr double kAreaOfLightSamples = 0.1 / (kMinWeight * kCornerParts * kCornerParts);
-static_assert(kLargeCells < TrianglePlane::kMaxRectSamples && kPatchCells[0] < TrianglePlane::kMaxRectSamples);
+static_assert(kLargeCells < kMaxRectSamples && kPatchCells[0] < kMaxRectSamples);
 
 }  // namespace
 
@@ -89,6 +90,7 @@ std::int64_t square_start(double low, std::int64_t origin, int cells) {
 template <typename Visit>
 bool SurfaceDistance::for_each_rect(std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1,
                                     const Visit& visit) {
+  if (x1 < x0) return true;
   for (std::int64_t y = y0; y <= y1;) {
     std::int64_t rows = 0;
     for (std::int64_t x = x0; x <= x1;) {
@@ -137,9 +139,9 @@ void SurfaceDistance::clip_squares(int size, double bound_m, HeightInterval& int
       };
       test(s.patch->low_x, s.patch->low_y, s.patch->low);
       test(s.patch->high_x, s.patch->high_y, s.patch->high);
+      if (interval.empty()) return blame(s.plane);
     }
   }
-  if (interval.empty()) return;
   for (const Square& s : squares) {
     const TrianglePlane& plane = planes_[s.plane];
     const Extent part = overlap(plane.extent, square_extent(s.x0, s.y0, cells));
@@ -168,36 +170,55 @@ void SurfaceDistance::clip_samples(const TrianglePlane& plane, const Extent& ext
   interval.hi = std::min(interval.hi, static_cast<double>(hi));
 }
 
+/// Moves a side to the front.
+void SurfaceDistance::blame(std::uint32_t plane) {
+  const auto at = order_.begin() + static_cast<std::ptrdiff_t>(plane);
+  std::rotate(order_.begin(), at, at + 1);
+}
+
+/// What the squares have left open, sample by sample.
+void SurfaceDistance::clip_open(double bound_m, HeightInterval& interval) {
+  for (const Square& s : open_) {
+    const TrianglePlane& plane = planes_[s.plane];
+    Extent part = overlap(plane.extent, square_extent(s.x0, s.y0, kPatchCells[0]));
+    if (patch_settles(*s.patch, static_cast<double>(s.x0), static_cast<double>(s.y0), part, plane, bound_m, interval))
+      continue;
+    // Samples on a common side are left to the next square where the triangle goes on.
+    if (part.x1 < plane.extent.x1) part.x1 -= 1;
+    if (part.y1 < plane.extent.y1) part.y1 -= 1;
+    clip_samples(plane, part, bound_m, interval);
+    if (interval.empty()) return blame(s.plane);
+  }
+}
+
 void SurfaceDistance::clip_star(const Star& star, HeightInterval& interval) {
   planes_.clear();
   open_.clear();
   for (auto& list : squares_) list.clear();
-  for (const Star::Side& side : star.sides) planes_.emplace_back(star.hub, side.from, side.to);
-  for (std::size_t k = 0; k < planes_.size(); ++k) {
-    const Extent extent = planes_[k].extent;
-    const double length = std::max(extent.x1 - extent.x0, extent.y1 - extent.y0);
+  if (order_.size() != star.sides.size()) {
+    order_.resize(star.sides.size());
+    std::iota(order_.begin(), order_.end(), 0U);
+  }
+  for (std::uint32_t k = 0; k < order_.size(); ++k) {
+    const Star::Side& side = star.sides[order_[k]];
+    const TrianglePlane& plane = planes_.emplace_back(star.hub, side.from, side.to);
+    const double length = std::max(plane.extent.x1 - plane.extent.x0, plane.extent.y1 - plane.extent.y0);
     if (length < kLargeCells) {
-      clip_samples(planes_[k], extent, star.bound_m, interval);
-      if (interval.empty()) return;
+      clip_samples(plane, plane.extent, star.bound_m, interval);
+      if (interval.empty()) return blame(k);
     } else {
-      add_squares(patch_size_for(length), static_cast<std::uint32_t>(k), extent);
+      add_squares(patch_size_for(length), k, plane.extent);
     }
   }
-  for (int size = 2; size >= 0 && !interval.empty(); --size) clip_squares(size, star.bound_m, interval);
+  for (int size = 2; size >= 0; --size) {
+    clip_squares(size, star.bound_m, interval);
+    if (interval.empty()) return;
+  }
   for (const Star::Spoke& spoke : star.spokes) {
-    if (interval.empty()) return;
     clip_spoke(window_, star.hub, spoke.end, spoke.bound_m, interval);
-  }
-  for (const Square& s : open_) {
     if (interval.empty()) return;
-    const TrianglePlane& plane = planes_[s.plane];
-    const Extent part = overlap(plane.extent, square_extent(s.x0, s.y0, kPatchCells[0]));
-    if (patch_settles(*s.patch, static_cast<double>(s.x0), static_cast<double>(s.y0), part, plane, star.bound_m,
-                      interval)) {
-      continue;
-    }
-    clip_samples(plane, part, star.bound_m, interval);
   }
+  clip_open(star.bound_m, interval);
 }
 
 /// Whether all samples of a part of the triangle lie within the bound of its plane.
