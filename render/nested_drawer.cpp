@@ -67,8 +67,8 @@ std::vector<NestedDrawer::Placed> NestedDrawer::place(Trees trees, const LodCut&
   for (const DrawTile& d : cut.draws) {
     const codec::TileId& id = trees[d.tree]->nodes()[d.node].id;
     const GpuTile* tile = pool.use({id, d.tree});
-    if (tile == nullptr || !tile->chunk) continue;
-    out.push_back({&d, id, tile, tile->nested.lock()});
+    if (tile == nullptr) continue;
+    if (auto shape = tile->nested.lock()) out.push_back({&d, id, tile, std::move(shape)});
   }
   return out;
 }
@@ -153,39 +153,39 @@ void NestedDrawer::draw(const Camera& camera, Trees trees, const LodCut& cut, Gp
   if (!style.skirts) return;
   gl_->BindVertexArray(stitch_array_);
   gl_->BindBuffer(GL_ARRAY_BUFFER, stitch_buffer_);
-  for (const Placed& t : tiles) {
-    bool set = false;
-    for (std::size_t side = 0; side < kSteps.size(); ++side) {
-      if ((t.shape->skirt_sides & kSkirtSides[side]) == 0) continue;
-      const auto [dx, dy] = kSteps[side];
-      codec::TileId next{t.id.level, t.id.x + static_cast<std::uint32_t>(dx), t.id.y + static_cast<std::uint32_t>(dy)};
-      auto at = drawn.find({next, t.draw->tree});
-      // Every side is stitched once: by the smaller of the two tiles, and between equal ones by the eastern or
-      // southern.
-      if (at != drawn.end() && side >= 2) continue;
-      while (at == drawn.end() && next.level > 0) {
-        next = trees[t.draw->tree]->layout().parent(next);
-        at = drawn.find({next, t.draw->tree});
-      }
-      if (!std::exchange(set, true)) {
-        set_tile(camera, trees, cut, t, 0);
-        set_look(trees, pool, style, t);
-      }
-      if (at == drawn.end()) {
-        draw_side(skirt(t, side));
-        continue;
-      }
-      const Placed& other = *at->second;
-      set_tile(camera, trees, cut, other, 1);
-      const codec::GridFrame& from = other.shape->frame;
-      const codec::GridFrame& to = t.shape->frame;
-      const auto add = [&to](std::int64_t from_cell, std::int64_t to_cell) {
-        return static_cast<float>(std::ldexp(static_cast<double>(from_cell - to_cell), -to.xy_shift));
-      };
-      gl_->Uniform3f(program_.uniform("second_to_first"), std::ldexp(1.0F, from.xy_shift - to.xy_shift),
-                     add(from.column0, to.column0), add(from.row0, to.row0));
-      draw_side(stitches(t, other, side));
+  for (const Placed& t : tiles) draw_sides(camera, trees, cut, pool, style, t, drawn);
+}
+
+/// Every side is stitched once: by the smaller of the two tiles, and between equal ones by the eastern or southern.
+void NestedDrawer::draw_sides(const Camera& camera, Trees trees, const LodCut& cut, const GpuTilePool& pool,
+                              const Style& style, const Placed& tile, const Neighbours& drawn) const {
+  set_tile(camera, trees, cut, tile, 0);
+  set_look(trees, pool, style, tile);
+  for (std::size_t side = 0; side < kSteps.size(); ++side) {
+    if ((tile.shape->skirt_sides & kSkirtSides[side]) == 0) continue;
+    const auto [dx, dy] = kSteps[side];
+    codec::TileId next{tile.id.level, tile.id.x + static_cast<std::uint32_t>(dx),
+                       tile.id.y + static_cast<std::uint32_t>(dy)};
+    auto at = drawn.find({next, tile.draw->tree});
+    if (at != drawn.end() && side >= 2) continue;
+    while (at == drawn.end() && next.level > 0) {
+      next = trees[tile.draw->tree]->layout().parent(next);
+      at = drawn.find({next, tile.draw->tree});
     }
+    if (at == drawn.end()) {
+      draw_side(skirt(tile, side));
+      continue;
+    }
+    const Placed& other = *at->second;
+    set_tile(camera, trees, cut, other, 1);
+    const codec::GridFrame& from = other.shape->frame;
+    const codec::GridFrame& to = tile.shape->frame;
+    const auto steps = [&to](std::int64_t cells) {
+      return static_cast<float>(std::ldexp(static_cast<double>(cells), -to.xy_shift));
+    };
+    gl_->Uniform3f(program_.uniform("second_to_first"), std::ldexp(1.0F, from.xy_shift - to.xy_shift),
+                   steps(from.column0 - to.column0), steps(from.row0 - to.row0));
+    draw_side(stitches(tile, other, side));
   }
 }
 

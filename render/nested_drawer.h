@@ -61,6 +61,8 @@ class NestedDrawer {
   void set_tile(const Camera& camera, Trees trees, const LodCut& cut, const Placed& tile, std::size_t which) const;
   /// What draws over the first tile's square take from it.
   void set_look(Trees trees, const GpuTilePool& pool, const Style& style, const Placed& tile) const;
+  void draw_sides(const Camera& camera, Trees trees, const LodCut& cut, const GpuTilePool& pool, const Style& style,
+                  const Placed& tile, const Neighbours& drawn) const;
   std::vector<cache::BorderVertex> border(const Placed& tile, std::size_t side) const;
   std::vector<StitchVertex> stitches(const Placed& tile, const Placed& neighbour, std::size_t side) const;
   std::vector<StitchVertex> skirt(const Placed& tile, std::size_t side) const;
