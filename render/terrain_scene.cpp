@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "cache/patch_lighting.h"
+
 namespace tintree::render {
 namespace {
 
@@ -19,7 +21,7 @@ std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::
 
 /// Whether its tiles are lit by their patches.
 bool has_reliefs(const cache::TileStore* store) {
-  return store->manifest().method == "wavelet" && !store->manifest().normal_maps;
+  return cache::lit_by_patches(store->manifest());
 }
 
 /// What of the graphics memory meshes may take: a half where there are pictures.
