@@ -20,9 +20,7 @@ std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::
 }
 
 /// Whether its tiles are lit by their patches.
-bool has_reliefs(const cache::TileStore* store) {
-  return cache::lit_by_patches(store->manifest());
-}
+bool has_reliefs(const cache::TileStore* store) { return cache::lit_by_patches(store->manifest()); }
 
 /// What of the graphics memory meshes may take: a half where there are pictures.
 std::size_t mesh_bytes(TerrainScene::Stores stores, std::size_t gpu_bytes) {
