@@ -9,6 +9,7 @@
 #include "cache/nested_shape.h"
 #include "cache/occluder.h"
 #include "cache/tile_pictures.h"
+#include "cache/tile_relief.h"
 #include "codec/grid_frame.h"
 #include "codec/tile_id.h"
 #include "codec/tile_mesh.h"
@@ -88,7 +89,8 @@ struct DrawableTile {
   std::uint32_t surface_triangles = 0;
   std::optional<MorphMesh> morph;            ///< None for a tile that does not morph.
   std::shared_ptr<const Occluder> occluder;  ///< What the surface hides; never null.
-  TilePictures pictures;                     ///< make_drawable() leaves them out.
+  TilePictures pictures;                     ///< make_drawable() leaves them out,
+  std::optional<TileRelief> relief;          ///< and this: of tiles that are lit by their patch.
   /// With it the tile is drawn by its nested levels; null for a tile that has none. make_drawable() leaves it out.
   std::shared_ptr<const NestedShape> nested;
 
@@ -98,7 +100,7 @@ struct DrawableTile {
   std::size_t index_bytes() const { return 2 * indices.size() + 4 * wide_indices.size(); }
   std::size_t bytes() const {
     return sizeof *this + vertex_bytes() + index_bytes() + (morph ? morph->bytes() : 0) + occluder->bytes() +
-           pictures.bytes() + (nested ? nested->bytes() : 0);
+           pictures.bytes() + (relief ? relief->bytes() : 0) + (nested ? nested->bytes() : 0);
   }
 };
 

@@ -1,6 +1,7 @@
 #include "render/gpu_tile_pool.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tintree::render {
 namespace {
@@ -40,10 +41,18 @@ void free_page(const GlFunctions& gl, GLuint vertex_array, GLuint morph_vertex_a
 
 }  // namespace
 
-GpuTilePool::GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets)
-    : gl_(&gl), budgets_(budgets), textures_(gl), nested_(gl, budgets.nested_bytes) {}
+GpuTilePool::GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets,
+                         std::unique_ptr<PatchReconstructor> reconstructor)
+    : gl_(&gl),
+      budgets_(budgets),
+      textures_(gl),
+      nested_(gl, budgets.nested_bytes),
+      reconstructor_(std::move(reconstructor)) {}
 
 GpuTilePool::~GpuTilePool() {
+  if (reconstructor_) {
+    for (const Entry& entry : entries_) reconstructor_->destroy(entry.tile.relief);
+  }
   for (const Page& page : pages_) free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
 }
 
@@ -54,13 +63,18 @@ bool GpuTilePool::contains(const cache::TileRef& tile) const {
 
 bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& tile) {
   if (use(ref) != nullptr) return true;
-  if (!make_room_for_pictures(tile.pictures.bytes())) return false;
+  const GLuint parent = tile.relief ? parent_heights(*tile.relief, ref.tree) : 0;
+  const bool relief = reconstructor_ && tile.relief && (parent != 0 || !tile.relief->parent);
+  const std::size_t relief_bytes = relief ? PatchReconstructor::bytes(*tile.relief) : 0;
+  if (!make_room_for_pictures(tile.pictures.bytes() + relief_bytes)) return false;
   Entry out{ref, {}, {}, frame_, 0};
   if (!(tile.nested ? place_nested(tile, out) : place_mesh(tile, out))) return false;
   out.tile.frame = tile.frame;
   out.tile.pictures = textures_.upload(tile.pictures);
-  picture_bytes_ += out.tile.pictures.bytes;
-  out.tile.bytes += out.tile.pictures.bytes;
+  if (relief) out.tile.relief = reconstructor_->make(*tile.relief, parent);
+  const std::size_t picture_bytes = out.tile.pictures.bytes + out.tile.relief.bytes;
+  picture_bytes_ += picture_bytes;
+  out.tile.bytes += picture_bytes;
   bytes_ += out.tile.bytes;
   entries_.push_front(std::move(out));
   tiles_[ref] = entries_.begin();
@@ -158,11 +172,12 @@ bool GpuTilePool::find_gap(std::size_t length, Place& out) {
 }
 
 bool GpuTilePool::add_page(std::size_t length) {
-  const std::size_t left = budgets_.mesh_bytes - std::min(reserved_bytes_, budgets_.mesh_bytes);
+  const std::size_t taken = std::min(reserved_bytes_ + aside_bytes_, budgets_.mesh_bytes);
+  const std::size_t left = budgets_.mesh_bytes - taken;
   const std::size_t usual = std::clamp(budgets_.mesh_bytes / kPages, std::size_t{1} << 20, kLargestPage) / kUnit;
   const std::size_t units = std::min(std::max(usual, length), left / kUnit);
   if (units < length) return false;
-  Page page{0, 0, 0, RangeAllocator(units)};
+  Page page{0, 0, 0, RangeAllocator(units), units * kUnit};
   while (gl_->GetError() != GL_NO_ERROR) {
   }
   gl_->GenBuffers(1, &page.buffer);
@@ -173,11 +188,46 @@ bool GpuTilePool::add_page(std::size_t length) {
   if (gl_->GetError() != GL_NO_ERROR) {
     // The card has less than the budget: what there is has to do.
     free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
-    budgets_.mesh_bytes = reserved_bytes_;
+    budgets_.mesh_bytes = taken;
     return false;
   }
-  pages_.push_back(std::move(page));
-  reserved_bytes_ += units * kUnit;
+  reserved_bytes_ += page.bytes;
+  const auto given_back = std::ranges::find(pages_, GLuint{0}, &Page::buffer);
+  if (given_back != pages_.end()) {
+    *given_back = std::move(page);
+  } else {
+    pages_.push_back(std::move(page));
+  }
+  return true;
+}
+
+bool GpuTilePool::set_aside(std::size_t bytes) {
+  aside_bytes_ = 0;
+  if (bytes > budgets_.mesh_bytes) return false;
+  while (reserved_bytes_ + bytes > budgets_.mesh_bytes) {
+    if (!drop_page()) return false;
+  }
+  aside_bytes_ = bytes;
+  return true;
+}
+
+bool GpuTilePool::drop_page() {
+  std::vector<bool> kept(pages_.size());
+  for (std::size_t i = 0; i < pages_.size(); ++i) kept[i] = pages_[i].buffer == 0;
+  for (const Entry& e : entries_) {
+    if (e.place.length > 0 && e.frame == frame_) kept[e.place.page] = true;
+  }
+  const auto at = std::ranges::find(kept, false);
+  if (at == kept.end()) return false;
+  const auto dropped = static_cast<std::size_t>(at - kept.begin());
+  for (auto e = entries_.begin(); e != entries_.end();) {
+    const auto entry = e++;
+    if (entry->place.length > 0 && entry->place.page == dropped) evict(entry);
+  }
+  const Page& page = pages_[dropped];
+  free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
+  reserved_bytes_ -= page.bytes;
+  pages_[dropped] = {0, 0, 0, RangeAllocator(0), 0};
   return true;
 }
 
@@ -199,13 +249,20 @@ bool GpuTilePool::make_room_for_pictures(std::size_t bytes) {
   return true;
 }
 
+GLuint GpuTilePool::parent_heights(const cache::TileRelief& relief, std::uint32_t tree) {
+  if (!relief.parent) return 0;
+  const GpuTile* parent = use({*relief.parent, tree});
+  return parent == nullptr ? 0 : parent->relief.heights;
+}
+
 void GpuTilePool::evict(Entries::iterator entry) {
   if (entry->place.length > 0) pages_[entry->place.page].free.give(entry->place.begin, entry->place.length);
   if (entry->tile.chunk) nested_.give_back(*entry->tile.chunk);
   owners_.erase(entry->owner);
   bytes_ -= entry->tile.bytes;
-  picture_bytes_ -= entry->tile.pictures.bytes;
+  picture_bytes_ -= entry->tile.pictures.bytes + entry->tile.relief.bytes;
   textures_.give_back(entry->tile.pictures);
+  if (reconstructor_) reconstructor_->destroy(entry->tile.relief);
   tiles_.erase(entry->ref);
   entries_.erase(entry);
 }

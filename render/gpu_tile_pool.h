@@ -14,6 +14,7 @@
 #include "cache/tile_ref.h"
 #include "codec/grid_frame.h"
 #include "render/gl_functions.h"
+#include "render/patch_reconstructor.h"
 #include "render/nested_chunks.h"
 #include "render/picture_textures.h"
 #include "render/range_allocator.h"
@@ -37,6 +38,7 @@ struct GpuTile {
   codec::GridFrame frame;
   std::shared_ptr<const cache::Occluder> occluder;
   GpuPictures pictures;
+  GpuRelief relief;
   std::size_t bytes = 0;
   /// Of a tile that is drawn by its nested levels, which has no mesh. The shape is the cache's: without it, the tile is
   /// not there.
@@ -46,8 +48,8 @@ struct GpuTile {
 
 /// Graphics memory for tiles, by what it holds; never exceeded.
 struct GpuBudgets {
-  std::size_t mesh_bytes = 0;
-  std::size_t picture_bytes = 0;
+  std::size_t mesh_bytes = 0;     ///< With what is set aside.
+  std::size_t picture_bytes = 0;  ///< Reliefs too.
   std::size_t nested_bytes = 0;
 };
 
@@ -56,7 +58,9 @@ struct GpuBudgets {
 /// current; not thread-safe.
 class GpuTilePool {
  public:
-  GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets);
+  /// Without `reconstructor` reliefs are left out.
+  GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets,
+              std::unique_ptr<PatchReconstructor> reconstructor = nullptr);
   ~GpuTilePool();
   GpuTilePool(const GpuTilePool&) = delete;
   GpuTilePool& operator=(const GpuTilePool&) = delete;
@@ -64,9 +68,14 @@ class GpuTilePool {
   bool contains(const cache::TileRef& tile) const;
   /// Copies the tile to the card and marks it as used in this frame. False when it does not fit beside what this frame
   /// has used so far.
+  /// The tile's relief is made where its parent's is here; else the tile is lit by its mesh.
   bool upload(const cache::TileRef& ref, const cache::DrawableTile& tile);
   /// The tile, marked as used in this frame, or null.
   const GpuTile* use(const cache::TileRef& tile);
+  /// Keeps that much of the memory for meshes free for something else, instead of what it kept before; buffers that are
+  /// too many then are given back with their tiles. False, and nothing is set aside any more, when it cannot because of
+  /// what this frame has used so far.
+  bool set_aside(std::size_t bytes);
   /// From here on what has been used before may make room.
   void end_frame() { ++frame_; }
 
@@ -76,6 +85,7 @@ class GpuTilePool {
   std::size_t tiles() const { return tiles_.size(); }
   /// Of the buffers, tiles or not.
   std::size_t reserved_bytes() const { return reserved_bytes_ + nested_.reserved_bytes(); }
+  bool makes_reliefs() const { return reconstructor_ != nullptr; }
 
  private:
   struct Page {
@@ -83,6 +93,7 @@ class GpuTilePool {
     GLuint morph_vertex_array = 0;  ///< and of cache::MorphVertex.
     GLuint buffer = 0;
     RangeAllocator free;  ///< In units of one vertex.
+    std::size_t bytes = 0;
   };
   struct Place {
     std::size_t page = 0;
@@ -111,23 +122,29 @@ class GpuTilePool {
   bool place(std::size_t length, Place& out);
   bool find_gap(std::size_t length, Place& out);
   bool add_page(std::size_t length);
+  /// Gives back a buffer that this frame does not use; false when there is none.
+  bool drop_page();
   void evict_oldest() { evict(std::prev(entries_.end())); }
   void evict(Entries::iterator entry);
   /// The same for a tile's pictures.
   bool make_room_for_pictures(std::size_t bytes);
+  /// The heights that a tile's relief is made of, kept while it is; 0 where there are none.
+  GLuint parent_heights(const cache::TileRelief& relief, std::uint32_t tree);
 
   const GlFunctions* gl_;
   GpuBudgets budgets_;
+  std::size_t aside_bytes_ = 0;  ///< Of those for meshes.
   PictureTextures textures_;
   NestedChunks nested_;
+  std::unique_ptr<PatchReconstructor> reconstructor_;
   std::size_t bytes_ = 0;
-  std::size_t picture_bytes_ = 0;  ///< Of these.
+  std::size_t picture_bytes_ = 0;  ///< Of these, reliefs too.
   std::size_t reserved_bytes_ = 0;
   std::uint64_t frame_ = 0;
   std::uint64_t next_owner_ = 0;
   std::unordered_map<std::uint64_t, Entries::iterator> owners_;  ///< Of chunks.
-  std::vector<Page> pages_;
-  Entries entries_;  ///< The most recently used first.
+  std::vector<Page> pages_;                                      ///< Those given back stay, without a buffer.
+  Entries entries_;                                              ///< The most recently used first.
   std::unordered_map<cache::TileRef, Entries::iterator, cache::TileRefHash> tiles_;
 };
 

@@ -12,8 +12,10 @@ Expected<ShaderProgram> make_ground_program(const GlFunctions& gl, std::string_v
 
 void set_tile_look(const GlFunctions& gl, const ShaderProgram& program, const GpuTilePool& pool, const GpuTile& tile,
                    const cache::TileNode& node, const DrawTile& drawn, const Style& style) {
-  gl.Uniform1i(program.uniform("normal_mapped"), tile.pictures.directions != 0 ? 1 : 0);
-  pool.textures().bind(tile.pictures);
+  GpuPictures pictures = tile.pictures;
+  if (pictures.directions == 0) pictures.directions = tile.relief.normals;
+  gl.Uniform1i(program.uniform("normal_mapped"), pictures.directions != 0 ? 1 : 0);
+  pool.textures().bind(pictures);
   const glm::vec4 tint = tile_tint(style.tint, node, drawn, style.allowed_px);
   gl.Uniform4f(program.uniform("tile_tint"), tint.r, tint.g, tint.b, tint.a);
 }

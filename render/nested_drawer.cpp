@@ -169,7 +169,7 @@ void NestedDrawer::draw_sides(const Camera& camera, Trees trees, const LodCut& c
     auto at = drawn.find({next, tile.draw->tree});
     if (at != drawn.end() && side >= 2) continue;
     while (at == drawn.end() && next.level > 0) {
-      next = next.parent();
+      next = trees[tile.draw->tree]->layout().parent(next);
       at = drawn.find({next, tile.draw->tree});
     }
     if (at == drawn.end()) {

@@ -25,10 +25,15 @@ std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::
   return out;
 }
 
+/// Whether its tiles are lit by their patches.
+bool has_reliefs(const cache::TileStore* store) {
+  return store->manifest().method == "wavelet" && !store->manifest().normal_maps;
+}
+
 /// A half of the graphics memory is for pictures where there are any; of the rest nested trees have their share.
 GpuBudgets budgets(TerrainScene::Stores stores, std::size_t gpu_bytes) {
   const bool pictures = std::ranges::any_of(stores, [](const cache::TileStore* store) {
-    return store->manifest().texture_size > 0 || store->manifest().normal_maps;
+    return store->manifest().texture_size > 0 || store->manifest().normal_maps || has_reliefs(store);
   });
   const std::size_t rest = pictures ? gpu_bytes / 2 : gpu_bytes;
   const auto nested = static_cast<std::size_t>(
@@ -47,14 +52,20 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
   if (!places) return tl::unexpected(places.error());
   auto renderer = Renderer::create(gl);
   if (!renderer) return tl::unexpected(renderer.error());
+  std::unique_ptr<PatchReconstructor> reconstructor;
+  if (std::ranges::any_of(stores, has_reliefs)) {
+    auto made = PatchReconstructor::create(gl);
+    if (!made) return tl::unexpected(made.error());
+    reconstructor = std::move(*made);
+  }
   std::unique_ptr<FarPicture> far_picture;
   if (options.impostors) {
     auto made = FarPicture::create(gl);
     if (!made) return tl::unexpected(made.error());
     far_picture = std::move(*made);
   }
-  return std::unique_ptr<TerrainScene>(
-      new TerrainScene(gl, stores, *places, options, std::move(*renderer), std::move(far_picture)));
+  return std::unique_ptr<TerrainScene>(new TerrainScene(gl, stores, *places, options, std::move(*renderer),
+                                                        std::move(reconstructor), std::move(far_picture)));
 }
 
 Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& gl, const cache::TileStore& store,
@@ -64,13 +75,14 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
 }
 
 TerrainScene::TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places,
-                           const SceneOptions& options, Renderer renderer, std::unique_ptr<FarPicture> far_picture)
+                           const SceneOptions& options, Renderer renderer,
+                           std::unique_ptr<PatchReconstructor> reconstructor, std::unique_ptr<FarPicture> far_picture)
     : options_(options),
       cache_(std::make_unique<cache::TileCache>(
           sources(stores, places),
           cache::TileCache::Options{
               .bytes = options.cache_bytes, .morph = options.cut.morph, .texture_blocks = gl.texture_blocks})),
-      pool_(gl, budgets(stores, options.gpu_bytes)),
+      pool_(gl, budgets(stores, options.gpu_bytes), std::move(reconstructor)),
       renderer_(std::move(renderer)),
       far_picture_(std::move(far_picture)) {
   placed_.reserve(stores.size());
@@ -104,6 +116,10 @@ std::size_t TerrainScene::take_over(std::vector<cache::TileRef>& wanted) {
       missing.push_back(ref);
       continue;
     }
+    if (!bring_parent(ref, *tile, missing)) {
+      missing.push_back(ref);
+      continue;
+    }
     if (!pool_.upload(ref, *tile)) {
       pool_full_ = true;
       continue;
@@ -116,6 +132,21 @@ std::size_t TerrainScene::take_over(std::vector<cache::TileRef>& wanted) {
   stats_.uploads += static_cast<std::uint32_t>(moved);
   stats_.upload_bytes += moved_bytes;
   return moved;
+}
+
+bool TerrainScene::bring_parent(const cache::TileRef& ref, const cache::DrawableTile& tile,
+                                std::vector<cache::TileRef>& missing) {
+  if (!pool_.makes_reliefs() || !tile.relief || !tile.relief->parent) return true;
+  const cache::TileRef parent{*tile.relief->parent, ref.tree};
+  if (pool_.use(parent) != nullptr || cache_->lost(parent)) return true;
+  const auto ready = cache_->get(parent);
+  if (ready == nullptr) {
+    if (std::ranges::find(missing, parent) == missing.end()) missing.push_back(parent);
+    return false;
+  }
+  // Where it does not fit, the tile has to do without.
+  if (bring_parent(parent, *ready, missing) && !pool_.upload(parent, *ready)) pool_full_ = true;
+  return pool_full_ || pool_.contains(parent);
 }
 
 void TerrainScene::count_misses(std::span<const cache::TileRef> missing) {
@@ -154,6 +185,10 @@ LodCut TerrainScene::advance(const Camera& camera, std::optional<double> seconds
   };
   LodCut cut = choose();
   if (take_over(cut.requests) > 0) cut = choose();
+  if (far_picture_ && pool_full_) {
+    give_up_far_picture();
+    return advance(camera, seconds);
+  }
   choose_nested_levels(trees_, camera, nested_, cut);
   occlusion_pays_.note_frame(cut.draws.size(), cut.occluded);
   count_misses(cut.requests);
@@ -180,10 +215,21 @@ std::vector<cache::TileRef> TerrainScene::plan_far_picture(const Camera& camera)
     choose_nested_levels(trees_, from, nested_, chosen);
     return chosen;
   };
-  auto missing = far_picture_->plan(camera, trees_, options_.cut, choose);
-  std::erase_if(missing, [this](const cache::TileRef& t) { return cache_->lost(t); });
-  far_picture_lacks_ = !missing.empty() && !pool_full_;
-  return missing;
+  auto missing = far_picture_->plan(camera, trees_, pool_, options_.cut, choose);
+  // The view itself has room for its tiles.
+  if (std::exchange(pool_full_, false) || !missing) {
+    give_up_far_picture();
+    return {};
+  }
+  std::erase_if(*missing, [this](const cache::TileRef& t) { return cache_->lost(t); });
+  far_picture_lacks_ = !missing->empty();
+  return std::move(*missing);
+}
+
+void TerrainScene::give_up_far_picture() {
+  far_picture_.reset();
+  far_picture_lacks_ = false;
+  pool_.set_aside(0);
 }
 
 LodCut TerrainScene::update(const Camera& camera, std::optional<double> seconds) {
@@ -197,7 +243,7 @@ void TerrainScene::sum_up() {
   const cache::TileCache::Stats cache = cache_->stats();
   stats_.bytes_read = cache.bytes_read - std::exchange(bytes_read_before_, cache.bytes_read);
   stats_.cache_bytes = cache.bytes;
-  stats_.gpu_bytes = pool_.bytes();
+  stats_.gpu_bytes = pool_.bytes() + (far_picture_ ? far_picture_->bytes() : 0);
   stats_.gpu_memory_full = pool_full_;
 }
 

@@ -29,7 +29,8 @@ struct SceneOptions {
   Occlusion occlusion = Occlusion::kWhereItPays;
   bool impostors = false;  ///< Far ground as a picture that holds for several frames (render/impostor.h).
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< Main memory for tiles made ready.
-  /// Graphics memory for tiles, never exceeded: a view that needs more is drawn coarser where it does not fit.
+  /// Graphics memory for tiles, and for the impostors' picture, never exceeded: a view that needs more is drawn without
+  /// impostors from then on, and coarser where its tiles do not fit.
   std::size_t gpu_bytes = std::size_t{512} << 20;
   /// The most that update() uploads at once, so that a frame stays short; it uploads one tile at least.
   std::size_t upload_bytes = std::numeric_limits<std::size_t>::max();
@@ -43,7 +44,7 @@ struct FrameStats {
   std::size_t upload_bytes = 0;
   std::uint64_t bytes_read = 0;  ///< Payload bytes read by the caching thread since the frame before.
   std::size_t cache_bytes = 0;   ///< Main memory held by tiles made ready.
-  std::size_t gpu_bytes = 0;     ///< Graphics memory held by tiles.
+  std::size_t gpu_bytes = 0;     ///< Graphics memory held by tiles and the impostors' picture.
   bool gpu_memory_full = false;  ///< The view needs more than that may be: parts of it are drawn coarser.
 };
 
@@ -87,17 +88,23 @@ class TerrainScene {
 
  private:
   TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places, const SceneOptions& options,
-               Renderer renderer, std::unique_ptr<FarPicture> far_picture);
+               Renderer renderer, std::unique_ptr<PatchReconstructor> reconstructor,
+               std::unique_ptr<FarPicture> far_picture);
   LodCut advance(const Camera& camera, std::optional<double> seconds);
   TileState state(std::uint32_t tree, std::uint32_t node);
   /// Moves tiles that have come to the graphics card; what is still missing is left in `wanted`. Returns
   /// how many it moved.
   std::size_t take_over(std::vector<cache::TileRef>& wanted);
+  /// Sees to it that what a tile's relief is made of is on the card before it; false while that is to be waited for,
+  /// and then it is in `missing`.
+  bool bring_parent(const cache::TileRef& ref, const cache::DrawableTile& tile, std::vector<cache::TileRef>& missing);
   void count_misses(std::span<const cache::TileRef> missing);
   /// What to load ahead, as seen from where the camera is going.
   std::vector<cache::TileRef> tiles_ahead(const Camera& camera, double seconds);
-  /// Returns what the next impostor lacks.
+  /// Returns what the next impostor lacks. Where impostors and what the view needs do not fit into the graphics memory
+  /// together there are none any more.
   std::vector<cache::TileRef> plan_far_picture(const Camera& camera);
+  void give_up_far_picture();
   void sum_up();
 
   SceneOptions options_;
@@ -108,7 +115,7 @@ class TerrainScene {
   std::unique_ptr<cache::TileCache> cache_;
   GpuTilePool pool_;
   Renderer renderer_;
-  std::unique_ptr<FarPicture> far_picture_;  ///< Null without impostors.
+  std::unique_ptr<FarPicture> far_picture_;  ///< Null without impostors, or room for them.
   bool far_picture_lacks_ = false;           ///< Tiles of the next one are on their way.
   CameraTrail trail_;
   OcclusionSwitch occlusion_pays_;
