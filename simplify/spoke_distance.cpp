@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "codec/target_clones.h"
 #include "simplify/patch_sizes.h"
 
 namespace tintree::simplify {
@@ -41,8 +42,7 @@ struct Crossings {
 
 /// Whether any crossing narrows the interval. `z` and `dz` are the edge's height, relative to the samples' base, and
 /// its rise over all of t. All samples exist.
-__attribute__((target_clones("avx2", "default"))) bool narrows(const Crossings& c, double z, double dz, double bound_m,
-                                                               double lo, double hi) {
+TINTREE_CLONES bool narrows(const Crossings& c, double z, double dz, double bound_m, double lo, double hi) {
   int found = 0;
   for (int k = 0; k < c.count; ++k) {
     const double v = c.v + k * c.dv;
