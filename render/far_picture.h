@@ -15,7 +15,8 @@ namespace tintree::render {
 
 /// The impostor of a view's far ground: colours and depths as a picture, drawn anew as soon as it does not hold for a
 /// view any more (render/impostor.h), which it shows from wherever the eye is by then. It takes 8 bytes a texel, 6.25
-/// texels a pixel of the view, out of the memory of the pool. Lives and dies while its context is current; not thread-safe.
+/// texels a pixel of the view, out of the memory of the pool. Lives and dies while its context is current; not
+/// thread-safe.
 class FarPicture {
  public:
   /// `gl` must outlive it. Fails with kIo when the driver refuses a shader.

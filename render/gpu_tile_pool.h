@@ -114,7 +114,7 @@ class GpuTilePool {
   std::size_t reserved_bytes_ = 0;
   std::uint64_t frame_ = 0;
   std::vector<Page> pages_;  ///< Those given back stay, without a buffer.
-  Entries entries_;  ///< The most recently used first.
+  Entries entries_;          ///< The most recently used first.
   std::unordered_map<cache::TileRef, Entries::iterator, cache::TileRefHash> tiles_;
 };
 
