@@ -126,4 +126,8 @@ Expected<codec::TileMesh> TileStore::read_mesh(const codec::TileId& id) const {
 
 Expected<codec::TileMesh> TileStore::decode(const StoredTile& tile) const { return impl_->decoder.decode(tile); }
 
+Expected<std::optional<codec::PatchResidual>> TileStore::patch_residual(const codec::TileId& id) const {
+  return impl_->decoder.patch_residual(id);
+}
+
 }  // namespace tintree::cache

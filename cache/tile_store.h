@@ -48,6 +48,8 @@ class TileStore {
   Expected<codec::TileMesh> read_mesh(const codec::TileId& id) const;
   /// What read() has returned, decoded and validated.
   Expected<codec::TileMesh> decode(const StoredTile& tile) const;
+  /// codec::TileDecoder::patch_residual() of a tile.
+  Expected<std::optional<codec::PatchResidual>> patch_residual(const codec::TileId& id) const;
 
   /// The tile's texture or normal map with its checksum verified, or nothing where it has none.
   Expected<std::optional<std::vector<std::byte>>> read_picture(PictureKind kind, const codec::TileId& id) const;
@@ -76,6 +78,10 @@ class TileDecoder {
 
   /// A payload's checksum must hold; errors name the tile.
   Expected<codec::TileMesh> decode(const StoredTile& tile) const;
+  /// Of a tile that could be decoded.
+  Expected<std::optional<codec::PatchResidual>> patch_residual(const codec::TileId& id) const {
+    return decoder_->patch_residual(id);
+  }
 
  private:
   const Manifest* manifest_;

@@ -25,6 +25,8 @@ class PlainDecoder final : public TileDecoder {
 
 }  // namespace
 
+Expected<std::optional<PatchResidual>> TileDecoder::patch_residual(const TileId&) { return std::nullopt; }
+
 const MeshCodec* find_codec(std::string_view method) {
   struct Method {
     std::string_view name;
@@ -41,6 +43,8 @@ const MeshCodec* find_codec(std::string_view method) {
   const auto* found = std::ranges::find(methods, method, &Method::name);
   return found == methods.end() ? nullptr : found->codec;
 }
+
+int most_levels_per_doubling(std::string_view method) { return method == "wavelet" || method == "nested" ? 1 : 2; }
 
 std::unique_ptr<TileDecoder> make_tile_decoder(std::string_view method, const TreeLayout& layout, PayloadReader read) {
   if (method == "wavelet") return std::make_unique<WaveletDecoder>(layout, std::move(read));

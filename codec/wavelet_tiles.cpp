@@ -60,14 +60,17 @@ Expected<std::vector<std::byte>> encode_wavelet_tile(const TreeLayout& layout, c
   return out;
 }
 
+Expected<Patch> WaveletDecoder::prediction(const TileId& id) {
+  if (id.level == 0) return wavelet_prediction(layout_, id, nullptr);
+  const auto above = patch(layout_.parent(id));
+  if (!above) return tl::unexpected(above.error());
+  return wavelet_prediction(layout_, id, above->get());
+}
+
 Expected<std::shared_ptr<const Patch>> WaveletDecoder::take_patch(const TileId& id, std::span<const std::byte>& bytes) {
-  std::shared_ptr<const Patch> parent;
-  if (id.level > 0) {
-    auto above = patch(id.parent());
-    if (!above) return above;
-    parent = std::move(*above);
-  }
-  auto made = decode_patch(bytes, wavelet_prediction(layout_, id, parent.get()));
+  const auto predicted = prediction(id);
+  if (!predicted) return tl::unexpected(predicted.error());
+  auto made = decode_patch(bytes, *predicted);
   if (!made) return tl::unexpected(made.error());
   auto out = std::make_shared<const Patch>(std::move(*made));
   const std::scoped_lock lock(turn_);
@@ -90,6 +93,14 @@ Expected<TileMesh> WaveletDecoder::decode(const TileId& id, std::span<const std:
   auto made = take_patch(id, bytes);
   if (!made) return tl::unexpected(made.error());
   return decode_right_triangles(bytes, layout_.cells_across(id.level), PatchGuess(layout_, id, **made));
+}
+
+Expected<std::optional<PatchResidual>> WaveletDecoder::patch_residual(const TileId& id) {
+  const auto own = patch(id);
+  if (!own) return tl::unexpected(own.error());
+  const auto predicted = prediction(id);
+  if (!predicted) return tl::unexpected(predicted.error());
+  return make_patch_residual(**own, *predicted);
 }
 
 Expected<std::vector<std::byte>> WaveletMesh::encode(const TileMesh&) const {

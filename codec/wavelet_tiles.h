@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,8 +33,10 @@ class WaveletDecoder final : public TileDecoder {
 
   /// Cost: 1 to 5 ms for a patch of 256 cells, as much for each of those above that were not used lately.
   Expected<TileMesh> decode(const TileId& id, std::span<const std::byte> bytes) override;
+  Expected<std::optional<PatchResidual>> patch_residual(const TileId& id) override;
 
  private:
+  Expected<Patch> prediction(const TileId& id);
   Expected<std::shared_ptr<const Patch>> patch(const TileId& id);
   Expected<std::shared_ptr<const Patch>> take_patch(const TileId& id, std::span<const std::byte>& bytes);
 

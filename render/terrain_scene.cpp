@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 #include <utility>
+
+#include "render/nested_lod.h"
 
 namespace tintree::render {
 namespace {
@@ -10,19 +13,33 @@ namespace {
 /// How far ahead of the camera tiles are fetched, and the most at once.
 constexpr double kAhead_s = 1;
 constexpr std::size_t kMostAhead = 2048;
+/// The method whose tiles are drawn by their nested levels.
+constexpr std::string_view kNested = "nested";
 
 std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::span<const PlacedTree> places) {
   std::vector<cache::TileCache::Source> out;
-  for (std::size_t i = 0; i < stores.size(); ++i) out.push_back({stores[i], places[i].layout, places[i].joined_sides});
+  for (std::size_t i = 0; i < stores.size(); ++i) {
+    const bool nested = stores[i]->manifest().method == kNested;
+    out.push_back({stores[i], places[i].layout, places[i].joined_sides, nested});
+  }
   return out;
 }
 
-/// What of the graphics memory meshes may take: a half where there are pictures.
-std::size_t mesh_bytes(TerrainScene::Stores stores, std::size_t gpu_bytes) {
+/// Whether its tiles are lit by their patches.
+bool has_reliefs(const cache::TileStore* store) {
+  return store->manifest().method == "wavelet" && !store->manifest().normal_maps;
+}
+
+/// A half of the graphics memory is for pictures where there are any; of the rest nested trees have their share.
+GpuBudgets budgets(TerrainScene::Stores stores, std::size_t gpu_bytes) {
   const bool pictures = std::ranges::any_of(stores, [](const cache::TileStore* store) {
-    return store->manifest().texture_size > 0 || store->manifest().normal_maps;
+    return store->manifest().texture_size > 0 || store->manifest().normal_maps || has_reliefs(store);
   });
-  return pictures ? gpu_bytes / 2 : gpu_bytes;
+  const std::size_t rest = pictures ? gpu_bytes / 2 : gpu_bytes;
+  const auto nested = static_cast<std::size_t>(
+      std::ranges::count_if(stores, [](const cache::TileStore* store) { return store->manifest().method == kNested; }));
+  const std::size_t nested_bytes = rest / stores.size() * nested;
+  return {.mesh_bytes = rest - nested_bytes, .picture_bytes = gpu_bytes - rest, .nested_bytes = nested_bytes};
 }
 
 }  // namespace
@@ -35,14 +52,20 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
   if (!places) return tl::unexpected(places.error());
   auto renderer = Renderer::create(gl);
   if (!renderer) return tl::unexpected(renderer.error());
+  std::unique_ptr<PatchReconstructor> reconstructor;
+  if (std::ranges::any_of(stores, has_reliefs)) {
+    auto made = PatchReconstructor::create(gl);
+    if (!made) return tl::unexpected(made.error());
+    reconstructor = std::move(*made);
+  }
   std::unique_ptr<FarPicture> far_picture;
   if (options.impostors) {
     auto made = FarPicture::create(gl);
     if (!made) return tl::unexpected(made.error());
     far_picture = std::move(*made);
   }
-  return std::unique_ptr<TerrainScene>(
-      new TerrainScene(gl, stores, *places, options, std::move(*renderer), std::move(far_picture)));
+  return std::unique_ptr<TerrainScene>(new TerrainScene(gl, stores, *places, options, std::move(*renderer),
+                                                        std::move(reconstructor), std::move(far_picture)));
 }
 
 Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& gl, const cache::TileStore& store,
@@ -52,26 +75,34 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
 }
 
 TerrainScene::TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places,
-                           const SceneOptions& options, Renderer renderer, std::unique_ptr<FarPicture> far_picture)
+                           const SceneOptions& options, Renderer renderer,
+                           std::unique_ptr<PatchReconstructor> reconstructor, std::unique_ptr<FarPicture> far_picture)
     : options_(options),
       cache_(std::make_unique<cache::TileCache>(
           sources(stores, places),
           cache::TileCache::Options{
               .bytes = options.cache_bytes, .morph = options.cut.morph, .texture_blocks = gl.texture_blocks})),
-      pool_(gl, mesh_bytes(stores, options.gpu_bytes), options.gpu_bytes - mesh_bytes(stores, options.gpu_bytes)),
+      pool_(gl, budgets(stores, options.gpu_bytes), std::move(reconstructor)),
       renderer_(std::move(renderer)),
       far_picture_(std::move(far_picture)) {
   placed_.reserve(stores.size());
   for (std::size_t i = 0; i < stores.size(); ++i) {
-    if (i > 0) placed_.push_back(stores[i]->bounds().placed(places[i].layout));
-    trees_.push_back(i > 0 ? &placed_.back() : &stores[i]->bounds());
+    const bool nested = stores[i]->manifest().method == kNested;
+    nested_.push_back(nested ? 1 : 0);
+    const bool even = nested && options.cut.morph;
+    if (i > 0 || even) placed_.push_back(stores[i]->bounds().placed(places[i].layout));
+    if (even) placed_.back().raise_errors();
+    trees_.push_back(i > 0 || even ? &placed_.back() : &stores[i]->bounds());
   }
 }
 
 TileState TerrainScene::state(std::uint32_t tree, std::uint32_t node) {
   // Asking marks as used: what the walk has looked at must not make room before the rest has come.
   const cache::TileRef tile{trees_[tree]->nodes()[node].id, tree};
-  if (pool_.use(tile) != nullptr) return TileState::kResident;
+  if (const GpuTile* here = pool_.use(tile)) {
+    if (here->chunk) static_cast<void>(cache_->get(tile));
+    return TileState::kResident;
+  }
   return cache_->lost(tile) ? TileState::kLost : TileState::kMissing;
 }
 
@@ -82,6 +113,10 @@ std::size_t TerrainScene::take_over(std::vector<cache::TileRef>& wanted) {
   for (const cache::TileRef& ref : wanted) {
     const auto tile = moved_bytes < options_.upload_bytes && !pool_full_ ? cache_->get(ref) : nullptr;
     if (tile == nullptr) {
+      missing.push_back(ref);
+      continue;
+    }
+    if (!bring_parent(ref, *tile, missing)) {
       missing.push_back(ref);
       continue;
     }
@@ -97,6 +132,21 @@ std::size_t TerrainScene::take_over(std::vector<cache::TileRef>& wanted) {
   stats_.uploads += static_cast<std::uint32_t>(moved);
   stats_.upload_bytes += moved_bytes;
   return moved;
+}
+
+bool TerrainScene::bring_parent(const cache::TileRef& ref, const cache::DrawableTile& tile,
+                                std::vector<cache::TileRef>& missing) {
+  if (!pool_.makes_reliefs() || !tile.relief || !tile.relief->parent) return true;
+  const cache::TileRef parent{*tile.relief->parent, ref.tree};
+  if (pool_.use(parent) != nullptr || cache_->lost(parent)) return true;
+  const auto ready = cache_->get(parent);
+  if (ready == nullptr) {
+    if (std::ranges::find(missing, parent) == missing.end()) missing.push_back(parent);
+    return false;
+  }
+  // Where it does not fit, the tile has to do without.
+  if (bring_parent(parent, *ready, missing) && !pool_.upload(parent, *ready)) pool_full_ = true;
+  return pool_full_ || pool_.contains(parent);
 }
 
 void TerrainScene::count_misses(std::span<const cache::TileRef> missing) {
@@ -139,6 +189,7 @@ LodCut TerrainScene::advance(const Camera& camera, std::optional<double> seconds
     give_up_far_picture();
     return advance(camera, seconds);
   }
+  choose_nested_levels(trees_, camera, nested_, cut);
   occlusion_pays_.note_frame(cut.draws.size(), cut.occluded);
   count_misses(cut.requests);
   std::vector<cache::TileRef> ahead = seconds ? tiles_ahead(camera, *seconds) : std::vector<cache::TileRef>{};
@@ -160,7 +211,9 @@ std::vector<cache::TileRef> TerrainScene::plan_far_picture(const Camera& camera)
     };
     const auto cut = [&] { return lod_cut(trees_, from, options, state_beyond); };
     LodCut chosen = cut();
-    return take_over(chosen.requests) > 0 ? cut() : chosen;
+    if (take_over(chosen.requests) > 0) chosen = cut();
+    choose_nested_levels(trees_, from, nested_, chosen);
+    return chosen;
   };
   auto missing = far_picture_->plan(camera, trees_, pool_, options_.cut, choose);
   // The view itself has room for its tiles.

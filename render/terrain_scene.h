@@ -88,12 +88,16 @@ class TerrainScene {
 
  private:
   TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places, const SceneOptions& options,
-               Renderer renderer, std::unique_ptr<FarPicture> far_picture);
+               Renderer renderer, std::unique_ptr<PatchReconstructor> reconstructor,
+               std::unique_ptr<FarPicture> far_picture);
   LodCut advance(const Camera& camera, std::optional<double> seconds);
   TileState state(std::uint32_t tree, std::uint32_t node);
   /// Moves tiles that have come to the graphics card; what is still missing is left in `wanted`. Returns
   /// how many it moved.
   std::size_t take_over(std::vector<cache::TileRef>& wanted);
+  /// Sees to it that what a tile's relief is made of is on the card before it; false while that is to be waited for,
+  /// and then it is in `missing`.
+  bool bring_parent(const cache::TileRef& ref, const cache::DrawableTile& tile, std::vector<cache::TileRef>& missing);
   void count_misses(std::span<const cache::TileRef> missing);
   /// What to load ahead, as seen from where the camera is going.
   std::vector<cache::TileRef> tiles_ahead(const Camera& camera, double seconds);
@@ -104,7 +108,9 @@ class TerrainScene {
   void sum_up();
 
   SceneOptions options_;
-  std::vector<cache::TileBounds> placed_;  ///< Of all trees but the first, which lies where its store says.
+  /// Of all trees but the first, which lies where its store says, unless its errors are raised.
+  std::vector<cache::TileBounds> placed_;
+  std::vector<std::uint8_t> nested_;  ///< 1 for trees that are drawn by their nested levels.
   std::vector<const cache::TileBounds*> trees_;
   std::unique_ptr<cache::TileCache> cache_;
   GpuTilePool pool_;
