@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cache/morph.h"
+#include "cache/patch_lighting.h"
 
 namespace tintree::cache {
 namespace {
@@ -61,9 +62,9 @@ Expected<void> add_pictures(const TileCache::Source& tree, bool texture_blocks, 
   return {};
 }
 
-/// For a tile without a stored normal map: what its method has to light it by.
+/// What a tile is lit by where its patch does that.
 Expected<void> add_relief(const TileCache::Source& tree, Loaded& loaded) {
-  if (tree.store->manifest().normal_maps) return {};
+  if (!lit_by_patches(tree.store->manifest())) return {};
   auto residual = tree.store->patch_residual(loaded.tile->id);
   if (!residual) return tl::unexpected(residual.error());
   if (*residual)

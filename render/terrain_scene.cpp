@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cache/patch_lighting.h"
 #include "render/nested_lod.h"
 
 namespace tintree::render {
@@ -26,9 +27,7 @@ std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::
 }
 
 /// Whether its tiles are lit by their patches.
-bool has_reliefs(const cache::TileStore* store) {
-  return store->manifest().method == "wavelet" && !store->manifest().normal_maps;
-}
+bool has_reliefs(const cache::TileStore* store) { return cache::lit_by_patches(store->manifest()); }
 
 /// A half of the graphics memory is for pictures where there are any; of the rest nested trees have their share.
 GpuBudgets budgets(TerrainScene::Stores stores, std::size_t gpu_bytes) {

@@ -16,12 +16,6 @@
 namespace tintree::simplify {
 namespace {
 
-/// A layer is made in strips from north to south, over so many samples of the DEM, whose row of blocks (5 MiB) stays in
-/// memory, so that a tile reads each block once however wide it is; and of so many samples of its own at least, because
-/// strips overlap by two of them.
-constexpr int kStripSamples = 4096;
-constexpr int kLeastStrip = 8;
-
 /// The mesh on the coarsest address grid that holds it.
 Expected<codec::TileMesh> stored_mesh(const StartMesh& start, std::int64_t cells, const codec::TileId& id) {
   codec::TileMesh out;
@@ -83,19 +77,14 @@ codec::Patch WaveletMaker::target(const codec::TileId& id) {
       out[i] = inside ? view_.sample(column, row) : std::numeric_limits<double>::quiet_NaN();
     }
   };
-  const int layer = layout_.leaf_level - id.level;
-  const int strip = std::max(kStripSamples >> std::min(layer, 30), kLeastStrip);
+  NevilleRows rows(samples, layout_.leaf_level - id.level, std::int64_t{id.x} * n - codec::kPatchMargin,
+                   std::int64_t{id.y} * n - codec::kPatchMargin, side);
   codec::Patch out(side, codec::kNoHeight);
-  for (int x0 = 0; x0 < side; x0 += strip) {
-    const int width = std::min(strip, side - x0);
-    NevilleRows rows(samples, layer, std::int64_t{id.x} * n - codec::kPatchMargin + x0,
-                     std::int64_t{id.y} * n - codec::kPatchMargin, width);
-    for (int y = 0; y < side; ++y) {
-      const std::vector<double>& row = rows.next();
-      for (int x = 0; x < width; ++x) {
-        const double h = row[static_cast<std::size_t>(x)];
-        if (!std::isnan(h)) out.at(x0 + x, y) = std::llround(h / unit_m);
-      }
+  for (int y = 0; y < side; ++y) {
+    const std::vector<double>& row = rows.next();
+    for (int x = 0; x < side; ++x) {
+      const double h = row[static_cast<std::size_t>(x)];
+      if (!std::isnan(h)) out.at(x, y) = std::llround(h / unit_m);
     }
   }
   return out;
