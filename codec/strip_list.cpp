@@ -4,6 +4,8 @@
 #include <array>
 #include <cstring>
 
+#include "codec/target_clones.h"
+
 namespace tintree::codec {
 namespace {
 
@@ -116,8 +118,8 @@ using Lanes = std::uint32_t __attribute__((vector_size(4 * kLanes)));
 
 /// step() for eight whole sub-strips from `strip` on, side by side, whose entries end at least 4 bytes before the
 /// payload's.
-__attribute__((target_clones("avx2", "default"))) void expand_lanes(const Tables& tables, const StripPayload& payload,
-                                                                    std::uint32_t strip, std::uint32_t* out) {
+TINTREE_CLONES void expand_lanes(const Tables& tables, const StripPayload& payload, std::uint32_t strip,
+                                 std::uint32_t* out) {
   const std::size_t bits = static_cast<std::size_t>(payload.height_bits) + 2;
   const std::uint32_t mask = (1U << bits) - 1;
   const int height_at = 2 * tables.words.xy_bits;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "cache/height_blocks.h"
+#include "codec/target_clones.h"
 
 namespace tintree::simplify {
 namespace {
@@ -13,8 +14,7 @@ namespace {
 /// Below this weight the hub cannot move a point measurably: it lies on the old outer edge or hard by it.
 constexpr float kMinWeight = 1e-6F;
 
-// Eight numbers at a time; compiled once for the machine's baseline and once for AVX2.
-#define TINTREE_CLONES __attribute__((target_clones("avx2", "default")))
+// Eight numbers at a time.
 #define TINTREE_INLINE __attribute__((always_inline)) inline
 #define TINTREE_INLINE_LAMBDA __attribute__((always_inline))
 using Lanes = float __attribute__((vector_size(32)));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "codec/target_clones.h"
 #include "simplify/patch_sizes.h"
 
 namespace tintree::simplify {
@@ -44,8 +45,7 @@ constexpr int kLanes = 4;
 
 /// Whether any crossing narrows the interval. `z` and `dz` are the edge's height, relative to the samples' base, and
 /// its rise over all of t. All samples exist.
-__attribute__((target_clones("avx2", "default"))) bool narrows(const Crossings& c, double z, double dz, double bound_m,
-                                                               double lo, double hi) {
+TINTREE_CLONES bool narrows(const Crossings& c, double z, double dz, double bound_m, double lo, double hi) {
   int found = 0;
   for (int first = 0; first < c.count; first += kLanes) {
     for (int lane = 0; lane < kLanes; ++lane) {
