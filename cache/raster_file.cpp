@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <gdal_priv.h>
+#include <malloc.h>
 #include <ogr_spatialref.h>
 #include <sys/stat.h>
 
@@ -276,6 +277,10 @@ void RasterFile::Impl::to_metres(double* line, std::int64_t width, const unsigne
   }
 }
 
-void set_raster_cache_bytes(std::uint64_t bytes) { GDALSetCacheMax64(static_cast<GIntBig>(bytes)); }
+void set_raster_cache_bytes(std::uint64_t bytes) {
+  GDALSetCacheMax64(static_cast<GIntBig>(bytes));
+  // Blocks that GDAL has dropped lie between others in the heap, where the C library would keep their room.
+  ::malloc_trim(0);
+}
 
 }  // namespace tintree::cache

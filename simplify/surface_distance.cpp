@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "simplify/patch_sizes.h"
 #include "simplify/sample_rect.h"
@@ -139,7 +138,7 @@ void SurfaceDistance::clip_squares(int size, double bound_m, HeightInterval& int
       };
       test(s.patch->low_x, s.patch->low_y, s.patch->low);
       test(s.patch->high_x, s.patch->high_y, s.patch->high);
-      if (interval.empty()) return blame(s.plane);
+      if (interval.empty()) return;
     }
   }
   for (const Square& s : squares) {
@@ -170,12 +169,6 @@ void SurfaceDistance::clip_samples(const TrianglePlane& plane, const Extent& ext
   interval.hi = std::min(interval.hi, static_cast<double>(hi));
 }
 
-/// Moves a side to the front.
-void SurfaceDistance::blame(std::uint32_t plane) {
-  const auto at = order_.begin() + static_cast<std::ptrdiff_t>(plane);
-  std::rotate(order_.begin(), at, at + 1);
-}
-
 /// What the squares have left open, sample by sample.
 void SurfaceDistance::clip_open(double bound_m, HeightInterval& interval) {
   for (const Square& s : open_) {
@@ -187,7 +180,7 @@ void SurfaceDistance::clip_open(double bound_m, HeightInterval& interval) {
     if (part.x1 < plane.extent.x1) part.x1 -= 1;
     if (part.y1 < plane.extent.y1) part.y1 -= 1;
     clip_samples(plane, part, bound_m, interval);
-    if (interval.empty()) return blame(s.plane);
+    if (interval.empty()) return;
   }
 }
 
@@ -195,17 +188,13 @@ void SurfaceDistance::clip_star(const Star& star, HeightInterval& interval) {
   planes_.clear();
   open_.clear();
   for (auto& list : squares_) list.clear();
-  if (order_.size() != star.sides.size()) {
-    order_.resize(star.sides.size());
-    std::iota(order_.begin(), order_.end(), 0U);
-  }
-  for (std::uint32_t k = 0; k < order_.size(); ++k) {
-    const Star::Side& side = star.sides[order_[k]];
+  for (std::uint32_t k = 0; k < star.sides.size(); ++k) {
+    const Star::Side& side = star.sides[k];
     const TrianglePlane& plane = planes_.emplace_back(star.hub, side.from, side.to);
     const double length = std::max(plane.extent.x1 - plane.extent.x0, plane.extent.y1 - plane.extent.y0);
     if (length < kLargeCells) {
       clip_samples(plane, plane.extent, star.bound_m, interval);
-      if (interval.empty()) return blame(k);
+      if (interval.empty()) return;
     } else {
       add_squares(patch_size_for(length), k, plane.extent);
     }
