@@ -34,11 +34,19 @@ inline constexpr std::size_t kRangeSpare = 4;
 /// No bit costs less than 1 / kMostBitsPerByte bytes, so bytes say how many bits they may hold at most.
 inline constexpr std::size_t kMostBitsPerByte = 5200;
 
+/// BitModel, or one that learns in another way (QuickBitModel).
+template <typename Model>
+concept BitPredictor = requires(Model model) {
+  model.zero();
+  model.learn(true);
+};
+
 /// Writes bits by their models' probabilities: a range coder with carries (Martin 1979, as LZMA has it). Integers only,
 /// so that every machine reads the same. Cost: about 5 ns a bit.
 class RangeEncoder {
  public:
-  bool bit(BitModel& model, bool value) {
+  template <BitPredictor Model>
+  bool bit(Model& model, bool value) {
     const std::uint32_t below = (range_ >> 16) * model.zero();
     if (value) {
       low_ += below;
@@ -97,7 +105,8 @@ class RangeDecoder {
   }
 
   /// The value given is what an encoder would write, and ignored: so that one function can do both.
-  bool bit(BitModel& model, bool = false) {
+  template <BitPredictor Model>
+  bool bit(Model& model, bool = false) {
     const std::uint32_t below = (range_ >> 16) * model.zero();
     const bool value = code_ >= below;
     if (value) {
@@ -144,7 +153,8 @@ class RangeDecoder {
 
 /// Whole numbers of either sign, those near 0 in few bits: zero or not, sign, number of digits, the digits. `Coder` is
 /// RangeEncoder or RangeDecoder.
-class NumberModel {
+template <BitPredictor Bit>
+class NumberModelOf {
  public:
   template <typename Coder>
   std::int64_t code(Coder& coder, std::int64_t value) {
@@ -166,10 +176,12 @@ class NumberModel {
 
  private:
   static constexpr int kMostDigits = 62;
-  BitModel some_;
-  BitModel negative_;
-  BitModel more_[kMostDigits + 1];
-  BitModel digit_[kMostDigits + 1][3];
+  Bit some_;
+  Bit negative_;
+  Bit more_[kMostDigits + 1];
+  Bit digit_[kMostDigits + 1][3];
 };
+
+using NumberModel = NumberModelOf<BitModel>;
 
 }  // namespace tintree::codec

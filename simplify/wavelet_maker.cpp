@@ -112,6 +112,7 @@ Expected<codec::EncodedPatch> WaveletMaker::encode_patch(const codec::TileId& id
   codec::PatchSpec spec;
   spec.criterion = criterion_;
   spec.bound = std::llround(layout_.bound_m(id.level) / unit_m);
+  spec.lifted = criterion_ == codec::PatchCriterion::kMax;
   const codec::Patch prediction = codec::wavelet_prediction(layout_, id, parent.get());
   auto coded = codec::encode_patch(target(id), prediction, spec);
   if (view_.interrupted()) return tl::unexpected(*view_.error());

@@ -23,8 +23,6 @@ SITES = {"moon": ("moon_8193.tif", (0, 0), 1), "california": ("calif_13201x4801.
 #: Rows of the tables: name, criterion as bench_wavelet takes it, metres, samples a patch.
 CRITERIA = (("max 1 m", "max", 1, 256), ("max 3 m", "max", 3, 256), ("rms 3 m", "rms", 3, 128), ("lossless residuals", "lossless", 1, 256))
 BOUNDS_M = (1, 3, 16)
-#: How closely the layers above the leaves are coded, RMS in shares of their bounds; the best is kept.
-SHARES = (0.25, 0.5, 1, 2)
 RAW_BITS = 16
 
 
@@ -69,10 +67,7 @@ def measure(results, data, quick):
                 results.add("tables", data=window.name, criterion=name, way=way, **code(window, mode, bound_m, patch, *options))
         for bound_m in BOUNDS_M[: 1 if quick else None]:
             results.add("rivals", data=window.name, bound_m=bound_m, coder="as the paper", **code(window, "max", bound_m, 256))
-            tried = [{"share": share, **code(window, "corrected", bound_m, 256, share)} for share in SHARES]
-            best = min(tried, key=lambda figures: figures["bytes"])
-            best["encodes"] = sum(figures["encodes"] for figures in tried)
-            results.add("rivals", data=window.name, bound_m=bound_m, coder="corrected", **best)
+            results.add("rivals", data=window.name, bound_m=bound_m, coder="lifted", **code(window, "lifted", bound_m, 256))
             for name, coder in (("JPEG 2000", jpeg2000), ("LERC_ZSTD", lerc)):
                 figures = coder(window, bound_m)
                 figures.pop("map")
@@ -94,14 +89,14 @@ def print_tables(results):
     records = {(r["data"], r["bound_m"], r["coder"]): r for r in results.of("rivals")}
     rows = []
     for data, bound_m, coder in records:
-        if coder != "corrected":
+        if coder != "lifted":
             continue
         of = lambda other: records[data, bound_m, other]
-        ours, plain = of("corrected"), of("JPEG 2000")
-        rows.append([data, bound_m, *(number(of(c)["bytes"]) for c in ("as the paper", "corrected", "JPEG 2000", "LERC_ZSTD")),
-                     f"{plain['bytes'] / ours['bytes']:.2f}", f"{of('LERC_ZSTD')['bytes'] / ours['bytes']:.2f}", ours["share"]])  # fmt: skip
+        ours, plain = of("lifted"), of("JPEG 2000")
+        rows.append([data, bound_m, *(number(of(c)["bytes"]) for c in ("as the paper", "lifted", "JPEG 2000", "LERC_ZSTD")),
+                     f"{plain['bytes'] / ours['bytes']:.2f}", f"{of('LERC_ZSTD')['bytes'] / ours['bytes']:.2f}"])  # fmt: skip
     print_table("Bytes at equal largest error",
-                ["data", "max m", "as the paper", "corrected", "JPEG 2000", "LERC_ZSTD", "gain on JPEG 2000", "on LERC", "share"], rows)
+                ["data", "max m", "as the paper", "lifted", "JPEG 2000", "LERC_ZSTD", "gain on JPEG 2000", "on LERC"], rows)
 
 
 def main():

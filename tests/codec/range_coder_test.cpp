@@ -7,23 +7,30 @@
 
 #include <gtest/gtest.h>
 
+#include "codec/quick_bit_model.h"
+
 namespace tintree::codec {
 namespace {
 
-TEST(RangeCoder, KeepsBitsOfEveryProbability) {
+template <typename Model>
+class RangeCoder : public testing::Test {};
+using Models = testing::Types<BitModel, QuickBitModel>;
+TYPED_TEST_SUITE(RangeCoder, Models);
+
+TYPED_TEST(RangeCoder, KeepsBitsOfEveryProbability) {
   std::mt19937 random(1);
   for (const unsigned per_mille : {0U, 1U, 20U, 500U, 999U, 1000U}) {
     std::vector<bool> bits(5000);
     for (std::size_t i = 0; i < bits.size(); ++i) bits[i] = random() % 1000 < per_mille;
     RangeEncoder encoder;
-    BitModel model;
+    TypeParam model;
     for (const bool b : bits) {
       encoder.bit(model, b);
       encoder.bit(b != (bits.size() % 3 == 0));
     }
     const std::vector<std::byte> bytes = encoder.finish();
     RangeDecoder decoder(bytes);
-    BitModel again;
+    TypeParam again;
     for (const bool b : bits) {
       ASSERT_EQ(decoder.bit(again), b);
       ASSERT_EQ(decoder.bit(), b != (bits.size() % 3 == 0));
@@ -31,22 +38,22 @@ TEST(RangeCoder, KeepsBitsOfEveryProbability) {
   }
 }
 
-TEST(RangeCoder, CostsWhatTheBitsAreWorth) {
+TYPED_TEST(RangeCoder, CostsWhatTheBitsAreWorth) {
   std::mt19937 random(2);
   RangeEncoder encoder;
-  BitModel model;
+  TypeParam model;
   for (int i = 0; i < 20000; ++i) encoder.bit(model, random() % 10 == 0);
   const double entropy = -0.1 * std::log2(0.1) - 0.9 * std::log2(0.9);
   EXPECT_NEAR(static_cast<double>(encoder.finish().size()), entropy * 20000 / 8, 0.06 * entropy * 20000 / 8);
 }
 
-TEST(RangeCoder, CarriesThroughLongRunsOfOnes) {
+TYPED_TEST(RangeCoder, CarriesThroughLongRunsOfOnes) {
   // Improbable ones drive the code to its range's upper end.
   for (int ones = 1; ones < 40; ++ones) {
     RangeEncoder encoder;
-    BitModel sure;
+    TypeParam sure;
     for (int i = 0; i < 300; ++i) sure.learn(false);
-    BitModel model = sure;
+    TypeParam model = sure;
     for (int i = 0; i < ones; ++i) encoder.bit(true);
     encoder.bit(model, true);
     for (int i = 0; i < 5; ++i) encoder.bit(model, false);
@@ -57,6 +64,24 @@ TEST(RangeCoder, CarriesThroughLongRunsOfOnes) {
     ASSERT_TRUE(decoder.bit(model));
     for (int i = 0; i < 5; ++i) ASSERT_FALSE(decoder.bit(model));
   }
+}
+
+TYPED_TEST(RangeCoder, NoBitIsFree) {
+  for (const bool b : {false, true}) {
+    TypeParam model;
+    for (int i = 0; i < 100000; ++i) model.learn(b);
+    const double likely = b ? 65536.0 - model.zero() : model.zero();
+    EXPECT_GT(-std::log2(likely / 65536), 8.0 / kMostBitsPerByte);
+  }
+}
+
+TEST(QuickBitModel, LearnsFromFewBits) {
+  const auto cost = [](auto model) {
+    RangeEncoder encoder;
+    for (int i = 0; i < 60; ++i) encoder.bit(model, false);
+    return encoder.finish(0).size();
+  };
+  EXPECT_LT(cost(QuickBitModel{}), cost(BitModel{}));
 }
 
 TEST(NumberModel, KeepsNumbersOfEverySize) {

@@ -21,7 +21,7 @@ namespace tintree {
 namespace {
 
 constexpr const char* kUsage =
-    "usage: bench_wavelet HEIGHTS.f64 COLUMNS ROWS PATCH BOUND_M UNIT_M max|rms|lossless|corrected [direct | SHARE]\n";
+    "usage: bench_wavelet HEIGHTS.f64 COLUMNS ROWS PATCH BOUND_M UNIT_M max|rms|lossless|lifted [direct]\n";
 
 struct Job {
   std::int64_t columns = 0;
@@ -31,7 +31,6 @@ struct Job {
   double unit_m = 1;
   codec::PatchSpec spec;
   bool direct = false;
-  double share = 1;  // corrected: RMS of the layers above the leaves, of their bound
 };
 
 struct Result {
@@ -88,12 +87,6 @@ class Coder {
     codec::PatchSpec spec = job_->spec;
     // Bounds double with every layer up, as a tree's do.
     spec.bound <<= layer;
-    if (spec.corrected && layer > 0) {
-      // Corrections leave even noise behind, from which the finer layer is foretold badly.
-      spec.corrected = false;
-      spec.criterion = codec::PatchCriterion::kRms;
-      spec.bound = std::max<std::int64_t>(1, std::llround(job_->share * static_cast<double>(spec.bound)));
-    }
     const bool alone = parent == nullptr || job_->direct;
     if (alone) spec.bits = std::max(spec.bits, 12);
     const codec::Patch prediction = alone ? codec::Patch(side(), 0) : codec::predict_patch(*parent, quadrant, 1);
@@ -156,10 +149,9 @@ int run(std::span<char*> arguments) {
   job.unit_m = std::stod(arguments[6]);
   const std::string mode = arguments[7];
   job.direct = arguments.size() > 8 && std::string(arguments[8]) == "direct";
-  if (arguments.size() > 8 && !job.direct) job.share = std::stod(arguments[8]);
   job.spec.bound = static_cast<std::int64_t>(std::floor(bound_m / job.unit_m + 1e-9));
   job.spec.criterion = mode == "rms" ? codec::PatchCriterion::kRms : codec::PatchCriterion::kMax;
-  job.spec.corrected = mode == "corrected";
+  job.spec.lifted = mode == "lifted";
   job.spec.lossless = mode == "lossless";
   const double before = cpu_seconds();
   const Result result = Coder(job).run();
