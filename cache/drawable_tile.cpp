@@ -63,20 +63,10 @@ class SkirtMaker {
  public:
   SkirtMaker(const codec::TreeLayout& layout, const codec::TileMesh& mesh, std::uint16_t joined_sides,
              DrawableTile& tile, std::vector<std::uint32_t>& indices)
-      : mesh_(mesh), tile_(tile), indices_(indices) {
-    const codec::CellRect cells = layout.cells(tile.id);
-    const auto joined = [joined_sides](SkirtSide side) { return (joined_sides & side) != 0; };
-    has_west_ = tile.id.x > 0 || joined(kSkirtWest);
-    has_north_ = tile.id.y > 0 || joined(kSkirtNorth);
-    has_east_ = cells.column1 < layout.columns - 1 || joined(kSkirtEast);
-    has_south_ = cells.row1 < layout.rows - 1 || joined(kSkirtSouth);
-    // A tile that the raster's end cuts short ends there.
-    const auto steps = [&mesh](std::int64_t cell_count) {
-      return mesh.xy_shift >= 0 ? cell_count >> mesh.xy_shift : cell_count << -mesh.xy_shift;
-    };
-    east_ = steps(cells.column1 - cells.column0);
-    south_ = steps(cells.row1 - cells.row0);
-  }
+      : mesh_(mesh),
+        tile_(tile),
+        indices_(indices),
+        outline_(tile_outline(layout, tile.id, mesh.xy_shift, joined_sides)) {}
 
   void add() {
     for (const codec::Triangle& t : mesh_.triangles) {
@@ -91,9 +81,9 @@ class SkirtMaker {
  private:
   std::uint16_t sides(std::uint32_t i) const {
     const codec::GridVertex& v = mesh_.vertices[i];
-    return static_cast<std::uint16_t>(
-        (has_west_ && v.x == 0 ? kSkirtWest : 0) | (has_east_ && v.x == east_ ? kSkirtEast : 0) |
-        (has_north_ && v.y == 0 ? kSkirtNorth : 0) | (has_south_ && v.y == south_ ? kSkirtSouth : 0));
+    const int on = (v.x == 0 ? kSkirtWest : 0) | (v.x == outline_.east ? kSkirtEast : 0) |
+                   (v.y == 0 ? kSkirtNorth : 0) | (v.y == outline_.south ? kSkirtSouth : 0);
+    return static_cast<std::uint16_t>(on & outline_.sides);
   }
 
   void add_edge(std::uint32_t a, std::uint32_t b) {
@@ -116,13 +106,21 @@ class SkirtMaker {
   const codec::TileMesh& mesh_;
   DrawableTile& tile_;
   std::vector<std::uint32_t>& indices_;
-  std::int64_t east_ = 0;  ///< Address of the tile's east and south sides.
-  std::int64_t south_ = 0;
-  bool has_west_ = false, has_north_ = false, has_east_ = false, has_south_ = false;
+  TileOutline outline_;
   std::unordered_map<std::uint32_t, std::uint32_t> lowered_;
 };
 
 }  // namespace
+
+TileOutline tile_outline(const codec::TreeLayout& layout, const codec::TileId& id, int xy_shift,
+                         std::uint16_t joined_sides) {
+  const codec::CellRect cells = layout.cells(id);
+  const auto steps = [xy_shift](std::int64_t count) { return xy_shift >= 0 ? count >> xy_shift : count << -xy_shift; };
+  const int inner = (id.x > 0 ? kSkirtWest : 0) | (cells.column1 < layout.columns - 1 ? kSkirtEast : 0) |
+                    (id.y > 0 ? kSkirtNorth : 0) | (cells.row1 < layout.rows - 1 ? kSkirtSouth : 0);
+  return {static_cast<std::uint16_t>(inner | joined_sides), steps(cells.column1 - cells.column0),
+          steps(cells.row1 - cells.row0)};
+}
 
 DrawVertex DrawVertex::pack(std::int32_t x, std::int32_t y, std::int32_t z) {
   DrawVertex out;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "cache/nested_shape.h"
 #include "cache/occluder.h"
 #include "cache/tile_pictures.h"
 #include "cache/tile_relief.h"
@@ -17,6 +18,17 @@ namespace tintree::cache {
 
 /// Sides of a tile's square on the grid, as bits: which way the skirt of a border vertex faces.
 enum SkirtSide : std::uint16_t { kSkirtWest = 1, kSkirtEast = 2, kSkirtNorth = 4, kSkirtSouth = 8 };
+
+/// Where a tile's mesh ends towards other tiles.
+struct TileOutline {
+  std::uint16_t sides = 0;  ///< SkirtSide bits of those behind which the ground goes on.
+  std::int64_t east = 0;    ///< Addresses of its ends; a tile that the raster's end cuts short ends there.
+  std::int64_t south = 0;
+};
+/// Of a tile with addresses of 2^xy_shift samples. The ground goes on where the raster does, and on those of the
+/// raster's own sides that `joined_sides` (SkirtSide bits) says another tree joins.
+TileOutline tile_outline(const codec::TreeLayout& layout, const codec::TileId& id, int xy_shift,
+                         std::uint16_t joined_sides);
 
 /// One vertex as a vertex buffer takes it: 12 bytes (shaders/terrain.vert.glsl unpacks it).
 struct DrawVertex {
@@ -79,6 +91,8 @@ struct DrawableTile {
   std::shared_ptr<const Occluder> occluder;  ///< What the surface hides; never null.
   TilePictures pictures;                     ///< make_drawable() leaves them out,
   std::optional<TileRelief> relief;          ///< and this: of tiles that are lit by their patch.
+  /// With it the tile is drawn by its nested levels; null for a tile that has none. make_drawable() leaves it out.
+  std::shared_ptr<const NestedShape> nested;
 
   std::size_t index_count() const { return indices.size() + wide_indices.size(); }
   std::uint32_t index(std::size_t i) const { return indices.empty() ? wide_indices[i] : indices[i]; }
@@ -86,7 +100,7 @@ struct DrawableTile {
   std::size_t index_bytes() const { return 2 * indices.size() + 4 * wide_indices.size(); }
   std::size_t bytes() const {
     return sizeof *this + vertex_bytes() + index_bytes() + (morph ? morph->bytes() : 0) + occluder->bytes() +
-           pictures.bytes() + (relief ? relief->bytes() : 0);
+           pictures.bytes() + (relief ? relief->bytes() : 0) + (nested ? nested->bytes() : 0);
   }
 };
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "codec/mesh_codec.h"
 #include "codec/node_image.h"
 
 namespace tintree::cache {
@@ -19,13 +20,15 @@ bool axes_are_sane(const codec::GridAxes& axes) {
   return unit(axes.column) && unit(axes.row) && axes.column[0] * axes.row[1] - axes.column[1] * axes.row[0] < -1e-6;
 }
 
-bool layout_is_sane(const codec::TreeLayout& l) {
+bool layout_is_sane(const codec::TreeLayout& l, const std::string& method) {
   const bool size_ok =
       l.columns >= 2 && l.rows >= 2 && l.columns <= (std::int64_t{1} << 40) && l.rows <= (std::int64_t{1} << 40);
   const bool tile_ok = l.tile_cells >= 1 && l.tile_cells <= (1 << 16) && (l.tile_cells & (l.tile_cells - 1)) == 0;
   if (!size_ok || !tile_ok) return false;
   if (l.leaf_level < 0 || l.leaf_level > codec::kMaxLevel) return false;
-  if (l.leaf_level != codec::TreeLayout::leaf_level_for(l.columns, l.rows, l.tile_cells)) return false;
+  if (l.levels_per_doubling < 1 || l.levels_per_doubling > codec::most_levels_per_doubling(method)) return false;
+  if (l.leaf_level != codec::TreeLayout::leaf_level_for(l.columns, l.rows, l.tile_cells, l.levels_per_doubling))
+    return false;
   if (l.z_step_m.size() != static_cast<std::size_t>(l.leaf_level) + 1) return false;
   const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
   for (const double step : l.z_step_m) {
@@ -149,6 +152,7 @@ std::string Manifest::to_json() const {
     j["orthos"] = files_to_json(orthos);
   }
   if (normal_maps) j["normal_maps"] = true;
+  if (layout.levels_per_doubling != 1) j["levels_per_doubling"] = layout.levels_per_doubling;
   if (!quantizer.empty()) j["quantizer"] = quantizer;
   if (!criterion.empty()) j["criterion"] = criterion;
   return printable(j);
@@ -172,6 +176,7 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
     m.layout.rows = j.at("rows").get<std::int64_t>();
     m.layout.tile_cells = j.at("tile_cells").get<int>();
     m.layout.leaf_level = j.at("leaf_level").get<int>();
+    if (j.contains("levels_per_doubling")) m.layout.levels_per_doubling = j.at("levels_per_doubling").get<int>();
     m.layout.dx_m = j.at("dx_m").get<double>();
     m.layout.dy_m = j.at("dy_m").get<double>();
     if (j.contains("column_axis") || j.contains("row_axis")) {
@@ -202,7 +207,7 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
   } catch (const json::exception& e) {
     return fail(ErrorCode::kBadData, fmt::format("the manifest cannot be read ({})", e.what()));
   }
-  if (!layout_is_sane(m.layout) || !pictures_are_sane(m))
+  if (!layout_is_sane(m.layout, m.method) || !pictures_are_sane(m))
     return fail(ErrorCode::kBadData, "the manifest describes no possible tree");
   return m;
 }
@@ -215,7 +220,9 @@ std::string Manifest::difference(const Manifest& other) const {
        {differ("--method", method, other.method), differ("--effort", effort, other.effort),
         differ("--quantizer", quantizer, other.quantizer), differ("--criterion", criterion, other.criterion),
         differ("--nodata", std::string(nodata_name(nodata)), std::string(nodata_name(other.nodata))),
-        differ("--tile", a.tile_cells, b.tile_cells), differ("--normal-maps", normal_maps, other.normal_maps),
+        differ("--tile", a.tile_cells, b.tile_cells),
+        differ("--levels-per-doubling", a.levels_per_doubling, b.levels_per_doubling),
+        differ("--normal-maps", normal_maps, other.normal_maps),
         // Says more than the size and spacing that come of it.
         same_heights ? std::string() : other_files(inputs, other.inputs),
         differ("columns of the DEM", a.columns, b.columns), differ("rows of the DEM", a.rows, b.rows),

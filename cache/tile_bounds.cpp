@@ -14,6 +14,11 @@ constexpr std::size_t kRecordBytes = 16;
 
 std::size_t child_count(const TileNode& node) { return static_cast<std::size_t>(std::popcount(node.child_mask)); }
 
+/// Which of its parent's children a tile is.
+unsigned child_index(const codec::TreeLayout& layout, const codec::TileId& id) {
+  return layout.child_count(id.level - 1) == 4 ? (id.x & 1U) | ((id.y & 1U) << 1U) : 0;
+}
+
 }  // namespace
 
 TileBounds::TileBounds(const codec::TreeLayout& layout, std::span<const TileInfo> tiles) : layout_(layout) {
@@ -25,11 +30,10 @@ TileBounds::TileBounds(const codec::TreeLayout& layout, std::span<const TileInfo
   // From the leaves up: a box has to hold all that is drawn in its place, or a walk that stops at it misses peaks.
   for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
     if (node->id.level == 0) continue;
-    const std::int64_t found = find(node->id.parent());
+    const std::int64_t found = find(layout.parent(node->id));
     if (found < 0) continue;
     TileNode& parent = nodes_[static_cast<std::size_t>(found)];
-    const auto quadrant = (node->id.x & 1U) | ((node->id.y & 1U) << 1U);
-    parent.child_mask |= static_cast<std::uint8_t>(1U << quadrant);
+    parent.child_mask |= static_cast<std::uint8_t>(1U << child_index(layout, node->id));
     parent.z_min_m = std::min(parent.z_min_m, node->z_min_m);
     parent.z_max_m = std::max(parent.z_max_m, node->z_max_m);
   }
@@ -43,6 +47,10 @@ void TileBounds::link_children() {
     node.first_child = static_cast<std::uint32_t>(next);
     next += child_count(node);
   }
+}
+
+void TileBounds::raise_errors() {
+  for (TileNode& node : nodes_) node.lod_error_m = codec::round_up(layout_.bound_m(node.id.level));
 }
 
 TileBounds TileBounds::placed(const codec::TreeLayout& layout) const {
@@ -84,10 +92,12 @@ Expected<TileBounds> TileBounds::from_bytes(const codec::TreeLayout& layout, std
   for (std::size_t i = 0; i < out.nodes_.size(); ++i) {
     const TileNode parent = out.nodes_[i];
     if (parent.child_mask != 0 && parent.id.level >= layout.leaf_level) return bad();
-    for (int q = 0; q < 4; ++q) {
+    const int most = layout.child_count(parent.id.level);
+    if (parent.child_mask >> most != 0) return bad();
+    for (int q = 0; q < most; ++q) {
       if ((parent.child_mask >> q & 1) == 0) continue;
       if (next >= out.nodes_.size()) return bad();
-      const codec::TileId id = parent.id.child(q);
+      const codec::TileId id = layout.child(parent.id, q);
       if (layout.cells(id).empty()) return bad();
       out.nodes_[next++].id = id;
     }

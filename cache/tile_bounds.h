@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -41,7 +40,7 @@ struct TileNode {
   float z_min_m = 0;              ///< Lowest point of this tile and of all tiles below it, rounded down.
   float z_max_m = 0;              ///< Highest point of the same, rounded up.
   float lod_error_m = 0;          ///< Rounded up.
-  std::uint8_t child_mask = 0;    ///< Bit q: child quadrant q exists.
+  std::uint8_t child_mask = 0;    ///< Bit i: child i (TreeLayout::child) exists.
   std::uint32_t first_child = 0;  ///< Index into nodes(); meaningless when child_mask is 0.
 };
 
@@ -53,6 +52,9 @@ class TileBounds {
   /// `tiles` in ascending key order, every tile's parent among them.
   TileBounds(const codec::TreeLayout& layout, std::span<const TileInfo> tiles);
 
+  /// Takes the bound of its level for every tile's error. Then which tile of a place is fine enough does not depend on
+  /// how well others happen to keep their bounds: what nested levels need that are to morph into the next tile's.
+  void raise_errors();
   /// The same tiles, lying elsewhere.
   TileBounds placed(const codec::TreeLayout& layout) const;
 
@@ -68,7 +70,9 @@ class TileBounds {
   Box box(const TileNode& node) const;
   const codec::TreeLayout& layout() const { return layout_; }
   /// Side of the texels of a tile of `level`, metres; 0 in a tree without textures.
-  double texel_m(int level) const { return std::ldexp(leaf_texel_m_, layout_.leaf_level - level); }
+  double texel_m(int level) const {
+    return leaf_texel_m_ * static_cast<double>(layout_.cells_across(level) / layout_.tile_cells);
+  }
   /// The tree's tiles have textures of so many texels a side.
   void set_texture_size(int texels) {
     leaf_texel_m_ = std::max(layout_.dx_m, layout_.dy_m) * layout_.tile_cells / texels;

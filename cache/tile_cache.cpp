@@ -17,7 +17,30 @@ struct Loaded {
   std::size_t payload_bytes = 0;
 };
 
-Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id) {
+using Parent = std::shared_ptr<const DrawableTile>;
+
+Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id, Parent parent);
+
+/// The parent, which is read where it is not at hand.
+Expected<Parent> find_parent(const TileCache::Source& tree, const codec::TileId& id, Parent at_hand, Loaded& loaded) {
+  if (at_hand != nullptr) return at_hand;
+  auto read = load(tree, tree.layout.parent(id), nullptr);
+  if (!read) return tl::unexpected(read.error());
+  loaded.payload_bytes += read->payload_bytes;
+  return std::move(read->tile);
+}
+
+/// Nested levels, the coarser ones from the parent's if it is not damaged.
+void add_nested(const TileCache::Source& tree, const StoredTile& stored, Parent parent, Loaded& loaded) {
+  const codec::TileId& id = loaded.tile->id;
+  if (!can_have_nested_shape(tree.layout, id, loaded.mesh)) return;
+  if (id.level > 0) parent = find_parent(tree, id, std::move(parent), loaded).value_or(nullptr);
+  const NestedShape* above = id.level > 0 && parent != nullptr ? parent->nested.get() : nullptr;
+  loaded.tile->nested = std::make_shared<const NestedShape>(make_nested_shape(
+      tree.layout, id, loaded.mesh, *loaded.tile, stored.info.lod_error_m(), tree.joined_sides, above));
+}
+
+Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id, Parent parent) {
   auto stored = tree.store->read(id);
   if (!stored) return tl::unexpected(stored.error());
   auto mesh = tree.store->decode(*stored);
@@ -26,7 +49,9 @@ Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id) {
     return tl::unexpected(mesh.error());
   }
   auto tile = std::make_shared<DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides));
-  return Loaded{std::move(tile), std::move(*mesh), stored->payload.size()};
+  Loaded out{std::move(tile), std::move(*mesh), stored->payload.size()};
+  if (tree.nested) add_nested(tree, *stored, std::move(parent), out);
+  return out;
 }
 
 Expected<void> add_pictures(const TileCache::Source& tree, bool texture_blocks, Loaded& loaded) {
@@ -47,26 +72,23 @@ Expected<void> add_relief(const TileCache::Source& tree, Loaded& loaded) {
   return {};
 }
 
-/// Makes a tile ready to turn into its parent, which is read too where it is not at hand.
-Expected<void> add_morph(const TileCache::Source& tree, std::shared_ptr<const DrawableTile> parent, Loaded& loaded) {
-  if (parent == nullptr) {
-    auto read = load(tree, loaded.tile->id.parent());
-    if (!read) return tl::unexpected(read.error());
-    loaded.payload_bytes += read->payload_bytes;
-    parent = std::move(read->tile);
-  }
-  loaded.tile->morph = make_morph(*loaded.tile, *parent);
+/// Makes a tile ready to turn into its parent.
+Expected<void> add_morph(const TileCache::Source& tree, Parent parent, Loaded& loaded) {
+  const auto found = find_parent(tree, loaded.tile->id, std::move(parent), loaded);
+  if (!found) return tl::unexpected(found.error());
+  loaded.tile->morph = make_morph(*loaded.tile, **found);
   return {};
 }
 
 Expected<Loaded> prepare(const TileCache::Source& tree, const codec::TileId& id, const TileCache::Options& options,
-                         const std::shared_ptr<const DrawableTile>& parent) try {
-  auto loaded = load(tree, id);
+                         const Parent& parent) try {
+  auto loaded = load(tree, id, parent);
   if (!loaded) return loaded;
   if (auto done = add_pictures(tree, options.texture_blocks, *loaded); !done) return tl::unexpected(done.error());
   if (auto done = add_relief(tree, *loaded); !done) return tl::unexpected(done.error());
   // A tile whose parent is damaged can still be drawn.
-  if (options.morph && id.level > 0) static_cast<void>(add_morph(tree, parent, *loaded));
+  const bool morph = options.morph && id.level > 0 && loaded->tile->nested == nullptr;
+  if (morph) static_cast<void>(add_morph(tree, parent, *loaded));
   return loaded;
 } catch (const std::exception& e) {
   return fail(ErrorCode::kIo, "tile " + id.text() + " could not be loaded: " + e.what(), tree.store->path());
@@ -172,7 +194,7 @@ void TileCache::work() {
     in_work_ = job;
     busy_ = true;
     const codec::TileId& id = job.ref.id;
-    const auto at = id.level > 0 ? by_ref_.find({id.parent(), job.ref.tree}) : by_ref_.end();
+    const auto at = id.level > 0 ? by_ref_.find({trees_[job.ref.tree].layout.parent(id), job.ref.tree}) : by_ref_.end();
     const auto parent = at != by_ref_.end() ? at->second->tile : nullptr;
     lock.unlock();
     auto loaded = prepare(trees_[job.ref.tree], id, options_, parent);

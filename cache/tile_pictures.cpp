@@ -42,9 +42,10 @@ Expected<codec::NormalPixels> load_normals(const TileStore& store, const codec::
 }  // namespace
 
 Expected<TilePictures> load_pictures(const TileStore& store, const codec::TileId& id, bool blocks) {
-  auto colors = load_colors(store, id, blocks);
+  const codec::TileId holder = store.manifest().layout.picture_tile(id);
+  auto colors = load_colors(store, holder, blocks);
   if (!colors) return tl::unexpected(colors.error());
-  auto normals = load_normals(store, id);
+  auto normals = load_normals(store, holder);
   if (!normals) return tl::unexpected(normals.error());
   return TilePictures{std::move(*colors), std::move(normals->directions), std::move(normals->lengths)};
 }

@@ -18,8 +18,9 @@ struct TilePictures {
   std::size_t bytes() const { return colors.bytes.size() + directions.bytes.size() + lengths.bytes.size(); }
 };
 
-/// Reads and verifies what the tile has. `blocks`: the card takes BC1; else colours are unpacked (normal maps' BC4 and
-/// BC5 every OpenGL 3.3 takes). kBadData, with the file and the tile named, when something is damaged.
+/// Reads and verifies what the tile has, be it the parent's on the same square (TreeLayout::picture_tile). `blocks`:
+/// the card takes BC1; else colours are unpacked (normal maps' BC4 and BC5 every OpenGL 3.3 takes). kBadData, with the
+/// file and the tile named, when something is damaged.
 Expected<TilePictures> load_pictures(const TileStore& store, const codec::TileId& id, bool blocks);
 
 }  // namespace tintree::cache

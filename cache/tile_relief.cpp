@@ -103,7 +103,7 @@ TileRelief make_tile_relief(const codec::TreeLayout& layout, const codec::TileId
   const int shift = layout.leaf_level - id.level;
   const int side = residual.side;
   out.residual = std::move(residual);
-  out.has_parent = id.level > 0;
+  if (id.level > 0) out.parent = layout.parent(id);
   out.has_children = shift > 0;
   out.quadrant = static_cast<int>((id.x & 1) | (id.y & 1) << 1);
   const auto sample = [&](std::uint32_t tile, std::int64_t of_layer) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "codec/grid_frame.h"
@@ -17,7 +18,7 @@ namespace tintree::cache {
 /// parent's, which must be there, and the residual; and the normals, at the tile's (cells + 1)^2 nodes, from those.
 struct TileRelief {
   codec::PatchResidual residual;
-  bool has_parent = false;  ///< Else the prediction is 0.
+  std::optional<codec::TileId> parent;  ///< Without one the prediction is 0.
   bool has_children = false;
   int quadrant = 0;  ///< Of the parent's square: bit 0 east, bit 1 south.
   /// The patch's samples that lie on the raster: the first column and row, the last ones.

@@ -13,13 +13,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kApplicationId = 0x54494e54;  // "TINT"
-constexpr std::int64_t kFormatVersion = 1;
+/// The newest; version 1 has one level a doubling of the error, so it is written where that is so.
+constexpr std::int64_t kFormatVersion = 2;
 
 constexpr const char* kSchema =
     "PRAGMA page_size = 16384;"
     "PRAGMA journal_mode = WAL;"
     "PRAGMA application_id = 1414090324;"
-    "PRAGMA user_version = 1;"
     "CREATE TABLE metadata (name TEXT PRIMARY KEY, value BLOB NOT NULL, checksum INTEGER NOT NULL) WITHOUT ROWID;"
     "CREATE TABLE tile (key INTEGER PRIMARY KEY, vertices INTEGER NOT NULL, triangles INTEGER NOT NULL,"
     " z_min_m REAL NOT NULL, z_max_m REAL NOT NULL, error_m REAL NOT NULL, rms_m REAL NOT NULL,"
@@ -63,6 +63,8 @@ Expected<StoredTile> tile_in_row(const SqliteDb::Statement& row, const std::stri
 
 Expected<void> create_tables(SqliteDb& db, const Manifest& manifest) {
   auto done = db.exec(kSchema);
+  if (done)
+    done = db.exec(manifest.layout.levels_per_doubling == 1 ? "PRAGMA user_version = 1" : "PRAGMA user_version = 2");
   for (const PictureKind kind : {PictureKind::kTexture, PictureKind::kNormal}) {
     if (done && manifest.picture_size(kind) > 0) done = create_picture_table(db, kind);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tintree::codec {
 namespace {
@@ -17,14 +18,29 @@ std::array<double, 2> GridAxes::grid(double east_m, double north_m) const {
   return {(east_m * row[1] - north_m * row[0]) / area, (column[0] * north_m - column[1] * east_m) / area};
 }
 
-int TreeLayout::leaf_level_for(std::int64_t columns, std::int64_t rows, int tile_cells) {
+int TreeLayout::leaf_level_for(std::int64_t columns, std::int64_t rows, int tile_cells, int levels_per_doubling) {
   const std::int64_t cells = std::max(columns, rows) - 1;
-  int level = 0;
-  while ((std::int64_t{tile_cells} << level) < cells) ++level;
-  return level;
+  int halvings = 0;
+  while ((std::int64_t{tile_cells} << halvings) < cells) ++halvings;
+  return halvings * levels_per_doubling;
 }
 
-double TreeLayout::bound_m(int level) const { return std::ldexp(leaf_error_m, leaf_level - level); }
+double TreeLayout::bound_m(int level) const {
+  const int up = leaf_level - level;
+  const double doubled = std::ldexp(leaf_error_m, up / levels_per_doubling);
+  return up % levels_per_doubling == 0 ? doubled : doubled * std::numbers::sqrt2;
+}
+
+TileId TreeLayout::parent(const TileId& id) const {
+  const int shift = child_count(id.level - 1) == 4 ? 1 : 0;
+  return {id.level - 1, id.x >> shift, id.y >> shift};
+}
+
+TileId TreeLayout::child(const TileId& id, int which) const {
+  if (child_count(id.level) == 1) return {id.level + 1, id.x, id.y};
+  const auto quadrant = static_cast<std::uint32_t>(which);
+  return {id.level + 1, 2 * id.x + (quadrant & 1U), 2 * id.y + (quadrant >> 1U)};
+}
 
 std::array<double, 2> TreeLayout::grid(double x_m, double y_m) const {
   const auto [across_m, down_m] = axes.grid(x_m - origin_m[0], y_m - origin_m[1]);

@@ -44,18 +44,37 @@ struct TreeLayout {
   std::int64_t rows = 0;
   int tile_cells = 256;  ///< DEM cells along a leaf's side, a power of two.
   int leaf_level = 0;    ///< Level of the leaves; 0 when one tile holds the whole DEM.
-  double dx_m = 1;       ///< Sample spacing along a row, from column to column,
-  double dy_m = 1;       ///< and from row to row.
+  /// Levels from an error to half of it, 1 or 2. With 2, errors of levels are a factor of √2 apart, and below the root
+  /// two levels lie on the same squares: a tile whose square is halved has four children, and each of those one, on
+  /// its own square.
+  int levels_per_doubling = 1;
+  double dx_m = 1;  ///< Sample spacing along a row, from column to column,
+  double dy_m = 1;  ///< and from row to row.
   GridAxes axes;
   /// World x and y of the first sample. Not stored: 0, but in a scene of several trees.
   std::array<double, 2> origin_m{0, 0};
-  double leaf_error_m = 0;       ///< Error bound of the leaves; it doubles with every level up.
+  double leaf_error_m = 0;       ///< Error bound of the leaves.
   std::vector<double> z_step_m;  ///< Height step of each level, index 0 the root.
 
   /// The smallest leaf level whose root covers a DEM of this size.
-  static int leaf_level_for(std::int64_t columns, std::int64_t rows, int tile_cells);
+  static int leaf_level_for(std::int64_t columns, std::int64_t rows, int tile_cells, int levels_per_doubling = 1);
 
+  /// Error bound of a level: leaf_error_m, doubled once in levels_per_doubling levels up.
   double bound_m(int level) const;
+  /// How often the root's side is halved for that of the tiles of `level`,
+  int halvings(int level) const { return (level + levels_per_doubling - 1) / levels_per_doubling; }
+  /// and the coarsest level after so many.
+  int coarsest_level(int halvings) const { return halvings == 0 ? 0 : (halvings - 1) * levels_per_doubling + 1; }
+  /// Squares that the tiles of `level` have their children on: the 4 quadrants of their own, or that 1.
+  int child_count(int level) const { return halvings(level + 1) > halvings(level) ? 4 : 1; }
+  /// Whether its tiles are as small as the leaves.
+  bool is_leaf_square(int level) const { return halvings(level) == halvings(leaf_level); }
+  /// Undefined for the root.
+  TileId parent(const TileId& id) const;
+  /// `which` is less than child_count(): of 4, 0 is north-west, 1 north-east, 2 south-west, 3 south-east (Z-order).
+  TileId child(const TileId& id, int which) const;
+  /// The coarsest tile on the same square, itself or its parent. It has the textures and normal maps of both.
+  TileId picture_tile(const TileId& id) const { return {coarsest_level(halvings(id.level)), id.x, id.y}; }
   /// World x and y of a place on the grid, and back.
   std::array<double, 2> world(double column, double row) const {
     const auto [x, y] = axes.world(column * dx_m, row * dy_m);
@@ -63,7 +82,9 @@ struct TreeLayout {
   }
   std::array<double, 2> grid(double x_m, double y_m) const;
   /// DEM cells along the side of a tile of `level`.
-  std::int64_t cells_across(int level) const { return std::int64_t{tile_cells} << (leaf_level - level); }
+  std::int64_t cells_across(int level) const {
+    return std::int64_t{tile_cells} << (halvings(leaf_level) - halvings(level));
+  }
   /// Tiles of `level` that hold at least one cell of the raster, along x and along y.
   std::uint32_t tiles_x(int level) const;
   std::uint32_t tiles_y(int level) const;

@@ -44,6 +44,8 @@ const MeshCodec* find_codec(std::string_view method) {
   return found == methods.end() ? nullptr : found->codec;
 }
 
+int most_levels_per_doubling(std::string_view method) { return method == "wavelet" || method == "nested" ? 1 : 2; }
+
 std::unique_ptr<TileDecoder> make_tile_decoder(std::string_view method, const TreeLayout& layout, PayloadReader read) {
   if (method == "wavelet") return std::make_unique<WaveletDecoder>(layout, std::move(read));
   const MeshCodec* codec = find_codec(method);

@@ -50,6 +50,10 @@ class TileDecoder {
 /// methods that do.
 std::unique_ptr<TileDecoder> make_tile_decoder(std::string_view method, const TreeLayout& layout, PayloadReader read);
 
+/// The most levels_per_doubling that a method's trees may have: 1 where tiles, or their drawing, build on levels whose
+/// squares are halved from each to the next.
+int most_levels_per_doubling(std::string_view method);
+
 /// The codec of a method as the manifest names it ("tin"), or null for a method this version lacks.
 const MeshCodec* find_codec(std::string_view method);
 

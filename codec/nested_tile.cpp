@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "codec/nested_payload.h"
 #include "codec/triangle_fans.h"
@@ -37,35 +38,16 @@ int exponent_for(int level, int levels, float largest) {
   return exponent;
 }
 
-class TileMaker {
+/// Numbers the vertices of a hierarchy and orders its levels' triangles.
+class FanMaker {
  public:
-  /// `all_levels`: of the payload, read or not.
-  TileMaker(const RightTriangles& points, int all_levels, NestedTile& tile)
-      : points_(points), all_levels_(all_levels), tile_(tile) {}
-
-  void number_vertices() {
-    number_.resize(points_.points().size());
-    const std::vector<LevelHeights> all = rises(points_);
-    LevelHeights largest{};
+  explicit FanMaker(const RightTriangles& points) : points_(points), number_(points.points().size()) {
     for (std::size_t i = 0; i < number_.size(); ++i) {
-      const HierarchyPoint& p = points_.points()[i];
+      const HierarchyPoint& p = points.points()[i];
       if (p.gap) continue;
-      number_[i] = static_cast<std::uint32_t>(tile_.vertices.size());
-      tile_.vertices.push_back({p.x, p.y, p.z});
-      tile_.level_vertices.resize(p.level, number_[i]);
-      for (std::size_t k = 0; k < largest.size(); ++k) largest[k] = std::max(largest[k], std::abs(all[i][k]));
-    }
-    tile_.level_vertices.resize(static_cast<std::size_t>(tile_.levels),
-                                static_cast<std::uint32_t>(tile_.vertices.size()));
-    for (std::size_t k = 0; k < largest.size(); ++k) {
-      tile_.morph_exponent[k] = static_cast<std::int8_t>(exponent_for(static_cast<int>(k), all_levels_, largest[k]));
-    }
-    for (std::size_t i = 0; i < number_.size(); ++i) {
-      if (points_.points()[i].gap) continue;
-      auto& morph = tile_.morphs.emplace_back();
-      for (std::size_t k = 0; k < morph.size(); ++k) {
-        morph[k] = static_cast<std::int8_t>(std::lround(std::ldexp(all[i][k], -tile_.morph_exponent[k])));
-      }
+      number_[i] = static_cast<std::uint32_t>(out.vertex_points.size());
+      out.vertex_points.push_back(static_cast<std::int32_t>(i));
+      out.level_vertices.resize(p.level, number_[i]);
     }
   }
 
@@ -74,10 +56,12 @@ class TileMaker {
     points_.for_each_triangle(level, [&](std::int32_t a, std::int32_t b, std::int32_t c) {
       triangles.push_back({number(a), number(b), number(c)});
     });
-    tile_.level_triangles.push_back(static_cast<std::uint32_t>(triangles.size()));
-    const std::size_t vertices = tile_.level_vertices[static_cast<std::size_t>(level)];
-    tile_.fans.push_back(triangle_fans(triangles, hubs(triangles), vertices, NestedTile::kRestart));
+    out.level_triangles.push_back(static_cast<std::uint32_t>(triangles.size()));
+    const std::size_t vertices = out.level_vertices[static_cast<std::size_t>(level)];
+    out.fans.push_back(triangle_fans(triangles, hubs(triangles), vertices, NestedFans::kRestart));
   }
+
+  NestedFans out;
 
  private:
   std::uint32_t number(std::int32_t point) const { return number_[static_cast<std::size_t>(point)]; }
@@ -86,27 +70,48 @@ class TileMaker {
   /// their centres' fans are all there is.
   std::vector<std::uint32_t> hubs(const std::vector<Triangle>& triangles) const {
     const auto unit = [this](std::uint32_t v) {
-      const GridVertex& p = tile_.vertices[v];
+      const HierarchyPoint& p = points_.point(out.vertex_points[v]);
       const std::int32_t u = (p.x | p.y) & -(p.x | p.y);
       return (p.x & p.y & u) != 0 ? u : std::numeric_limits<std::int32_t>::max();
     };
-    std::vector<std::uint32_t> out;
-    std::vector<bool> listed(tile_.vertices.size());
+    std::vector<std::uint32_t> hubs;
+    std::vector<bool> listed(out.vertex_points.size());
     for (const Triangle& t : triangles) {
       for (const std::uint32_t v : {t[2], t[0], t[1]}) {
-        if (!listed[v]) out.push_back(v);
+        if (!listed[v]) hubs.push_back(v);
         listed[v] = true;
       }
     }
-    std::ranges::stable_sort(out, {}, unit);
-    return out;
+    std::ranges::stable_sort(hubs, {}, unit);
+    return hubs;
   }
 
   const RightTriangles& points_;
-  int all_levels_;
-  NestedTile& tile_;
   std::vector<std::uint32_t> number_;
 };
+
+/// `all_levels`: of the payload, read or not.
+void add_vertices(const RightTriangles& points, const std::vector<std::int32_t>& vertex_points, int all_levels,
+                  NestedTile& tile) {
+  const std::vector<LevelHeights> all = rises(points);
+  LevelHeights largest{};
+  for (const std::int32_t i : vertex_points) {
+    const HierarchyPoint& p = points.point(i);
+    tile.vertices.push_back({p.x, p.y, p.z});
+    const LevelHeights& own = all[static_cast<std::size_t>(i)];
+    for (std::size_t k = 0; k < largest.size(); ++k) largest[k] = std::max(largest[k], std::abs(own[k]));
+  }
+  for (std::size_t k = 0; k < largest.size(); ++k) {
+    tile.morph_exponent[k] = static_cast<std::int8_t>(exponent_for(static_cast<int>(k), all_levels, largest[k]));
+  }
+  for (const std::int32_t i : vertex_points) {
+    auto& morph = tile.morphs.emplace_back();
+    for (std::size_t k = 0; k < morph.size(); ++k) {
+      const float rise = all[static_cast<std::size_t>(i)][k];
+      morph[k] = static_cast<std::int8_t>(std::lround(std::ldexp(rise, -tile.morph_exponent[k])));
+    }
+  }
+}
 
 }  // namespace
 
@@ -114,6 +119,14 @@ double NestedTile::height(std::size_t v, int i) const {
   const auto k = static_cast<std::size_t>(i);
   const double rise = i >= levels - 1 ? 0 : std::ldexp(static_cast<double>(morphs[v][k]), morph_exponent[k]);
   return static_cast<double>(vertices[v].z) + rise;
+}
+
+NestedFans nested_fans(const RightTriangles& points, int levels) {
+  FanMaker maker(points);
+  maker.out.level_vertices.resize(static_cast<std::size_t>(levels),
+                                  static_cast<std::uint32_t>(maker.out.vertex_points.size()));
+  for (int level = 0; level < levels; ++level) maker.add_level(level);
+  return std::move(maker.out);
 }
 
 Expected<NestedTile> decode_nested(std::span<const std::byte> bytes, int levels) {
@@ -125,9 +138,11 @@ Expected<NestedTile> decode_nested(std::span<const std::byte> bytes, int levels)
   tile.xy_shift = payload->xy_shift;
   tile.z_offset = payload->z_offset;
   tile.levels = std::min(levels, static_cast<int>(payload->blocks.size()));
-  TileMaker maker(*points, static_cast<int>(payload->blocks.size()), tile);
-  maker.number_vertices();
-  for (int level = 0; level < tile.levels; ++level) maker.add_level(level);
+  NestedFans made = nested_fans(*points, tile.levels);
+  add_vertices(*points, made.vertex_points, static_cast<int>(payload->blocks.size()), tile);
+  tile.level_vertices = std::move(made.level_vertices);
+  tile.fans = std::move(made.fans);
+  tile.level_triangles = std::move(made.level_triangles);
   return tile;
 }
 

@@ -7,24 +7,38 @@
 #include <vector>
 
 #include "codec/error.h"
+#include "codec/right_triangles.h"
 #include "codec/tile_mesh.h"
 
 namespace tintree::codec {
+
+/// The nested meshes of a hierarchy over shared vertices, without the vertices.
+struct NestedFans {
+  /// Between two fans of an index array.
+  static constexpr std::uint32_t kRestart = 0xffffffffU;
+
+  std::vector<std::int32_t> vertex_points;  ///< The point that each vertex is.
+  std::vector<std::uint32_t> level_vertices;
+  /// Each level's triangles as fans, counter-clockwise from above, kRestart between them.
+  std::vector<std::vector<std::uint32_t>> fans;
+  std::vector<std::uint32_t> level_triangles;
+};
+
+/// Of the levels below `levels`. The points come in the order of their levels; gaps are no vertices. Cost: about 0.2 us
+/// a vertex.
+NestedFans nested_fans(const RightTriangles& points, int levels);
 
 /// A tile of method `nested` (Schneider and Westermann 2006) as it is drawn: nested meshes M_0, the coarsest, to
 /// M_(levels - 1), the tile's own, over shared vertices. Level i uses the first level_vertices[i] of them, so a finer
 /// level needs only what comes behind. A plain value.
 struct NestedTile {
   static constexpr int kMostLevels = 9;
-  /// Between two fans of an index array.
-  static constexpr std::uint32_t kRestart = 0xffffffffU;
-
   int xy_shift = 0;           ///< As TileMesh.
   std::int64_t z_offset = 0;  ///< As TileMesh.
   int levels = 0;             ///< That were read: 1 to kMostLevels.
   std::vector<GridVertex> vertices;
   std::vector<std::uint32_t> level_vertices;
-  /// Each level's triangles as fans, counter-clockwise from above, kRestart between them.
+  /// As NestedFans.
   std::vector<std::vector<std::uint32_t>> fans;
   std::vector<std::uint32_t> level_triangles;
   /// How far above a vertex each coarser mesh is at its place: of M_i, in units of 2^morph_exponent[i] height steps,

@@ -9,7 +9,8 @@ namespace tintree::codec {
 /// Deepest level a tree can have: a key holds 6 bits of level and 2 x 29 bits of position.
 inline constexpr int kMaxLevel = 29;
 
-/// Names one tile of the quadtree. Level 0 is the root, which covers the whole DEM.
+/// Names one tile of the quadtree; TreeLayout knows its parent and its children. Level 0 is the root, which covers the
+/// whole DEM.
 /// `x` counts tiles eastward from the DEM's west side, `y` southward from its north side.
 struct TileId {
   int level = 0;
@@ -24,14 +25,6 @@ struct TileId {
   /// level * 2^58 + morton: ascending keys go level by level, siblings side by side.
   std::int64_t key() const;
   static TileId from_key(std::int64_t key);
-
-  /// Undefined for the root.
-  TileId parent() const { return {level - 1, x >> 1, y >> 1}; }
-  /// Quadrant 0 north-west, 1 north-east, 2 south-west, 3 south-east (Z-order).
-  TileId child(int quadrant) const {
-    return {level + 1, 2 * x + (static_cast<std::uint32_t>(quadrant) & 1U),
-            2 * y + (static_cast<std::uint32_t>(quadrant) >> 1U)};
-  }
 
   /// "level/x/y", the way every message names a tile.
   std::string text() const;

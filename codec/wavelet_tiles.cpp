@@ -62,7 +62,7 @@ Expected<std::vector<std::byte>> encode_wavelet_tile(const TreeLayout& layout, c
 
 Expected<Patch> WaveletDecoder::prediction(const TileId& id) {
   if (id.level == 0) return wavelet_prediction(layout_, id, nullptr);
-  const auto above = patch(id.parent());
+  const auto above = patch(layout_.parent(id));
   if (!above) return tl::unexpected(above.error());
   return wavelet_prediction(layout_, id, above->get());
 }

@@ -14,6 +14,10 @@ namespace {
 /// of the levels, half a pixel of the picture; a half of them goes across the rim.
 constexpr double kSkirtPx = 4;
 
+const std::vector<cache::TileRef> kNothing;
+
+constexpr std::size_t kTexelBytes = 8;  ///< RGBA8, and a depth as a float.
+
 /// Whether ground drawn with one style can stand beside ground drawn with the other.
 bool alike(const Style& a, const Style& b) {
   return a.sun_azimuth_rad == b.sun_azimuth_rad && a.sun_elevation_rad == b.sun_elevation_rad &&
@@ -50,9 +54,18 @@ void FarPicture::forget() {
   tiles_.clear();
 }
 
-bool FarPicture::fit(int width_px, int height_px) {
+std::size_t FarPicture::bytes() const {
+  return kTexelBytes * static_cast<std::size_t>(width_px_) * static_cast<std::size_t>(height_px_);
+}
+
+bool FarPicture::fit(const Camera& picture, GpuTilePool& pool) {
+  if (width_px_ == picture.width_px && height_px_ == picture.height_px) return true;
+  const auto texels = static_cast<std::size_t>(picture.width_px) * static_cast<std::size_t>(picture.height_px);
+  return pool.set_aside(kTexelBytes * texels) && allocate(picture.width_px, picture.height_px);
+}
+
+bool FarPicture::allocate(int width_px, int height_px) {
   gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  if (width_px_ == width_px && height_px_ == height_px) return true;
   const auto allocate = [&](GLuint texture, GLint internal, GLenum format, GLenum type, GLint filter, GLenum point) {
     gl_->BindTexture(GL_TEXTURE_2D, texture);
     gl_->TexImage2D(GL_TEXTURE_2D, 0, internal, width_px, height_px, 0, format, type, nullptr);
@@ -75,13 +88,13 @@ bool FarPicture::fit(int width_px, int height_px) {
   return whole;
 }
 
-std::vector<cache::TileRef> FarPicture::plan(const Camera& camera, Trees trees, const CutOptions& options,
-                                             const ChooseCut& choose) {
+std::optional<std::vector<cache::TileRef>> FarPicture::plan(const Camera& camera, Trees trees, GpuTilePool& pool,
+                                                            const CutOptions& options, const ChooseCut& choose) {
   const bool moved = last_ && (camera.eye != last_->eye || camera.target != last_->target);
   // A view that stands still needs no picture, unless one has been begun.
   if (!moved && !wanted_) {
     last_ = camera;
-    return {};
+    return kNothing;
   }
   if (moved) step_m_ = std::max(glm::length(camera.eye - last_->eye), 0.5 * step_m_);
   last_ = camera;
@@ -94,8 +107,9 @@ std::vector<cache::TileRef> FarPicture::plan(const Camera& camera, Trees trees, 
   const bool far_enough = std::ranges::any_of(trees, [&](const cache::TileBounds* tree) {
     return !tree->nodes().empty() && farthest_m(tree->box(tree->nodes().front()), camera.eye) >= begin_m;
   });
-  if (made_ || rest_ > 0 || left_px <= 0 || options.morph || !far_enough) return {};
+  if (made_ || rest_ > 0 || left_px <= 0 || options.morph || !far_enough) return kNothing;
   next_ = {impostor_camera(camera), std::numeric_limits<double>::infinity(), 0};
+  if (!fit(next_.camera, pool)) return std::nullopt;
   CutOptions finer = options;
   finer.pixel_error = left_px * impostor::kTexelsPerPx;
   finer.texel_px = options.texel_px * impostor::kTexelsPerPx;
@@ -110,18 +124,19 @@ std::vector<cache::TileRef> FarPicture::plan(const Camera& camera, Trees trees, 
   });
   if (!wanted_->draws.empty() || !wanted_->complete) return wanted_->requests;
   wanted_.reset();
-  return {};
+  return kNothing;
 }
 
 DrawStats FarPicture::refresh(const Renderer& renderer, Trees trees, GpuTilePool& pool, const Style& style,
                               double haze_begin_m) {
   if (made_ && !alike(style, style_)) forget();
   if (!wanted_ || !wanted_->complete || style.wireframe) return {};
-  if (style.tint != Tint::kHeight || !fit(next_.camera.width_px, next_.camera.height_px)) return {};
+  if (style.tint != Tint::kHeight) return {};
   LodCut cut = std::move(*wanted_);
   wanted_.reset();
   cut.max_error_px = kSkirtPx * impostor::kTexelsPerPx;
   cut.nearest_m = haze_begin_m;
+  gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   gl_->Viewport(0, 0, width_px_, height_px_);
   gl_->DepthMask(GL_TRUE);
   gl_->ClearColor(0, 0, 0, 0);

@@ -15,7 +15,8 @@ namespace tintree::render {
 
 /// The impostor of a view's far ground: colours and depths as a picture, drawn anew as soon as it does not hold for a
 /// view any more (render/impostor.h), which it shows from wherever the eye is by then. It takes 8 bytes a texel, 6.25
-/// texels a pixel of the view. Lives and dies while its context is current; not thread-safe.
+/// texels a pixel of the view, out of the memory of the pool. Lives and dies while its context is current; not
+/// thread-safe.
 class FarPicture {
  public:
   /// `gl` must outlive it. Fails with kIo when the driver refuses a shader.
@@ -29,9 +30,10 @@ class FarPicture {
   using ChooseCut = std::function<LodCut(const Camera& camera, const CutOptions& options, double beyond_m)>;
 
   /// For every frame before it is drawn: drops the picture when it does not hold any more, and makes up its mind what
-  /// goes into the next. What that lacks is returned; it is drawn once nothing is.
-  std::vector<cache::TileRef> plan(const Camera& camera, Trees trees, const CutOptions& options,
-                                   const ChooseCut& choose);
+  /// goes into the next. What that lacks is returned; it is drawn once nothing is. Nothing when the picture itself does
+  /// not fit into the pool's memory beside what this frame has used so far, or onto the card: then give it up.
+  std::optional<std::vector<cache::TileRef>> plan(const Camera& camera, Trees trees, GpuTilePool& pool,
+                                                  const CutOptions& options, const ChooseCut& choose);
   /// Draws the planned picture if all of it is there. `haze_begin_m`: as in the frame's cut.
   DrawStats refresh(const Renderer& renderer, Trees trees, GpuTilePool& pool, const Style& style, double haze_begin_m);
 
@@ -41,10 +43,14 @@ class FarPicture {
   /// Renderer::near_m.
   void draw(const Camera& camera, double near_m) const;
 
+  /// Graphics memory that it holds.
+  std::size_t bytes() const;
+
  private:
   FarPicture(const GlFunctions& gl, ShaderProgram program);
   void forget();
-  bool fit(int width_px, int height_px);
+  bool fit(const Camera& picture, GpuTilePool& pool);
+  bool allocate(int width_px, int height_px);
 
   const GlFunctions* gl_;
   ShaderProgram program_;

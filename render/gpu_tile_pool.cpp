@@ -41,12 +41,12 @@ void free_page(const GlFunctions& gl, GLuint vertex_array, GLuint morph_vertex_a
 
 }  // namespace
 
-GpuTilePool::GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes, std::size_t picture_budget_bytes,
+GpuTilePool::GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets,
                          std::unique_ptr<PatchReconstructor> reconstructor)
     : gl_(&gl),
-      budget_bytes_(budget_bytes),
-      picture_budget_bytes_(picture_budget_bytes),
+      budgets_(budgets),
       textures_(gl),
+      nested_(gl, budgets.nested_bytes),
       reconstructor_(std::move(reconstructor)) {}
 
 GpuTilePool::~GpuTilePool() {
@@ -56,43 +56,70 @@ GpuTilePool::~GpuTilePool() {
   for (const Page& page : pages_) free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
 }
 
+bool GpuTilePool::contains(const cache::TileRef& tile) const {
+  const auto at = tiles_.find(tile);
+  return at != tiles_.end() && !is_hollow(at->second->tile);
+}
+
 bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& tile) {
   if (use(ref) != nullptr) return true;
+  const GLuint parent = tile.relief ? parent_heights(*tile.relief, ref.tree) : 0;
+  const bool relief = reconstructor_ && tile.relief && (parent != 0 || !tile.relief->parent);
+  const std::size_t relief_bytes = relief ? PatchReconstructor::bytes(*tile.relief) : 0;
+  if (!make_room_for_pictures(tile.pictures.bytes() + relief_bytes)) return false;
+  Entry out{ref, {}, {}, frame_, 0};
+  if (!(tile.nested ? place_nested(tile, out) : place_mesh(tile, out))) return false;
+  out.tile.frame = tile.frame;
+  out.tile.pictures = textures_.upload(tile.pictures);
+  if (relief) out.tile.relief = reconstructor_->make(*tile.relief, parent);
+  const std::size_t picture_bytes = out.tile.pictures.bytes + out.tile.relief.bytes;
+  picture_bytes_ += picture_bytes;
+  out.tile.bytes += picture_bytes;
+  bytes_ += out.tile.bytes;
+  entries_.push_front(std::move(out));
+  tiles_[ref] = entries_.begin();
+  if (entries_.front().tile.chunk) owners_[entries_.front().owner] = entries_.begin();
+  return true;
+}
+
+bool GpuTilePool::place_nested(const cache::DrawableTile& tile, Entry& out) {
+  std::vector<std::uint64_t> put_out;
+  out.owner = ++next_owner_;
+  out.tile.chunk = nested_.take(out.owner, *tile.nested, frame_, put_out);
+  for (const std::uint64_t owner : put_out) {
+    const auto entry = owners_.at(owner);
+    entry->tile.chunk.reset();
+    evict(entry);
+  }
+  if (!out.tile.chunk) return false;
+  out.tile.nested = tile.nested;
+  out.tile.bytes = nested_.chunk_bytes(*out.tile.chunk);
+  return true;
+}
+
+bool GpuTilePool::place_mesh(const cache::DrawableTile& tile, Entry& out) {
   const std::size_t bytes = tile.vertex_bytes() + tile.index_bytes();
   // Vertices begin at multiples of their size, counted from the buffer's begin; where the range begins is not known
   // yet.
   const std::size_t morph_bytes = tile.morph ? tile.morph->bytes() + sizeof(MorphVertex) : 0;
-  Place at;
-  const GLuint parent = tile.relief ? parent_heights(ref) : 0;
-  const bool relief = reconstructor_ && tile.relief && (parent != 0 || !tile.relief->has_parent);
-  const std::size_t relief_bytes = relief ? PatchReconstructor::bytes(*tile.relief) : 0;
-  if (!make_room_for_pictures(tile.pictures.bytes() + relief_bytes)) return false;
-  if (!place((bytes + morph_bytes + kUnit - 1) / kUnit, at)) return false;
-  const Page& page = pages_[at.page];
-  const std::size_t begin = at.begin * kUnit;
+  if (!place((bytes + morph_bytes + kUnit - 1) / kUnit, out.place)) return false;
+  const Page& page = pages_[out.place.page];
+  const std::size_t begin = out.place.begin * kUnit;
   gl_->BindBuffer(GL_ARRAY_BUFFER, page.buffer);
   const std::span<const DrawVertex> vertices(tile.vertices);
-  GpuTile out;
-  out.mesh = tile.indices.empty()
-                 ? copy(page.vertex_array, begin, vertices, std::span<const std::uint32_t>(tile.wide_indices))
-                 : copy(page.vertex_array, begin, vertices, std::span<const std::uint16_t>(tile.indices));
-  out.mesh.surface_triangles = tile.surface_triangles;
+  out.tile.mesh = tile.indices.empty()
+                      ? copy(page.vertex_array, begin, vertices, std::span<const std::uint32_t>(tile.wide_indices))
+                      : copy(page.vertex_array, begin, vertices, std::span<const std::uint16_t>(tile.indices));
+  out.tile.mesh.surface_triangles = tile.surface_triangles;
   if (tile.morph) {
     const std::size_t morph_begin =
         (begin + bytes + sizeof(MorphVertex) - 1) / sizeof(MorphVertex) * sizeof(MorphVertex);
-    out.morph = copy(page.morph_vertex_array, morph_begin, std::span<const MorphVertex>(tile.morph->vertices),
-                     std::span<const std::uint32_t>(tile.morph->indices));
-    out.morph.surface_triangles = tile.morph->surface_triangles;
+    out.tile.morph = copy(page.morph_vertex_array, morph_begin, std::span<const MorphVertex>(tile.morph->vertices),
+                          std::span<const std::uint32_t>(tile.morph->indices));
+    out.tile.morph.surface_triangles = tile.morph->surface_triangles;
   }
-  out.frame = tile.frame;
-  out.occluder = tile.occluder;
-  out.pictures = textures_.upload(tile.pictures);
-  if (relief) out.relief = reconstructor_->make(*tile.relief, parent);
-  picture_bytes_ += out.pictures.bytes + out.relief.bytes;
-  out.bytes = at.length * kUnit + out.pictures.bytes + out.relief.bytes;
-  bytes_ += out.bytes;
-  entries_.push_front({ref, out, at, frame_});
-  tiles_[ref] = entries_.begin();
+  out.tile.occluder = tile.occluder;
+  out.tile.bytes = out.place.length * kUnit;
   return true;
 }
 
@@ -115,7 +142,12 @@ GpuMesh GpuTilePool::copy(GLuint vertex_array, std::size_t at, std::span<const V
 const GpuTile* GpuTilePool::use(const cache::TileRef& tile) {
   const auto at = tiles_.find(tile);
   if (at == tiles_.end()) return nullptr;
+  if (is_hollow(at->second->tile)) {
+    evict(at->second);
+    return nullptr;
+  }
   at->second->frame = frame_;
+  if (at->second->tile.chunk) nested_.use(*at->second->tile.chunk, frame_);
   entries_.splice(entries_.begin(), entries_, at->second);
   return &at->second->tile;
 }
@@ -140,11 +172,12 @@ bool GpuTilePool::find_gap(std::size_t length, Place& out) {
 }
 
 bool GpuTilePool::add_page(std::size_t length) {
-  const std::size_t left = budget_bytes_ - std::min(reserved_bytes_, budget_bytes_);
-  const std::size_t usual = std::clamp(budget_bytes_ / kPages, std::size_t{1} << 20, kLargestPage) / kUnit;
+  const std::size_t taken = std::min(reserved_bytes_ + aside_bytes_, budgets_.mesh_bytes);
+  const std::size_t left = budgets_.mesh_bytes - taken;
+  const std::size_t usual = std::clamp(budgets_.mesh_bytes / kPages, std::size_t{1} << 20, kLargestPage) / kUnit;
   const std::size_t units = std::min(std::max(usual, length), left / kUnit);
   if (units < length) return false;
-  Page page{0, 0, 0, RangeAllocator(units)};
+  Page page{0, 0, 0, RangeAllocator(units), units * kUnit};
   while (gl_->GetError() != GL_NO_ERROR) {
   }
   gl_->GenBuffers(1, &page.buffer);
@@ -155,11 +188,46 @@ bool GpuTilePool::add_page(std::size_t length) {
   if (gl_->GetError() != GL_NO_ERROR) {
     // The card has less than the budget: what there is has to do.
     free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
-    budget_bytes_ = reserved_bytes_;
+    budgets_.mesh_bytes = taken;
     return false;
   }
-  pages_.push_back(std::move(page));
-  reserved_bytes_ += units * kUnit;
+  reserved_bytes_ += page.bytes;
+  const auto given_back = std::ranges::find(pages_, GLuint{0}, &Page::buffer);
+  if (given_back != pages_.end()) {
+    *given_back = std::move(page);
+  } else {
+    pages_.push_back(std::move(page));
+  }
+  return true;
+}
+
+bool GpuTilePool::set_aside(std::size_t bytes) {
+  aside_bytes_ = 0;
+  if (bytes > budgets_.mesh_bytes) return false;
+  while (reserved_bytes_ + bytes > budgets_.mesh_bytes) {
+    if (!drop_page()) return false;
+  }
+  aside_bytes_ = bytes;
+  return true;
+}
+
+bool GpuTilePool::drop_page() {
+  std::vector<bool> kept(pages_.size());
+  for (std::size_t i = 0; i < pages_.size(); ++i) kept[i] = pages_[i].buffer == 0;
+  for (const Entry& e : entries_) {
+    if (e.place.length > 0 && e.frame == frame_) kept[e.place.page] = true;
+  }
+  const auto at = std::ranges::find(kept, false);
+  if (at == kept.end()) return false;
+  const auto dropped = static_cast<std::size_t>(at - kept.begin());
+  for (auto e = entries_.begin(); e != entries_.end();) {
+    const auto entry = e++;
+    if (entry->place.length > 0 && entry->place.page == dropped) evict(entry);
+  }
+  const Page& page = pages_[dropped];
+  free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
+  reserved_bytes_ -= page.bytes;
+  pages_[dropped] = {0, 0, 0, RangeAllocator(0), 0};
   return true;
 }
 
@@ -174,28 +242,29 @@ GLuint GpuTilePool::make_vertex_array(GLuint buffer, void (*describe)(const GlFu
 }
 
 bool GpuTilePool::make_room_for_pictures(std::size_t bytes) {
-  while (bytes > 0 && picture_bytes_ + bytes > picture_budget_bytes_) {
+  while (bytes > 0 && picture_bytes_ + bytes > budgets_.picture_bytes) {
     if (entries_.empty() || entries_.back().frame == frame_) return false;
     evict_oldest();
   }
   return true;
 }
 
-GLuint GpuTilePool::parent_heights(const cache::TileRef& ref) {
-  if (ref.id.level == 0) return 0;
-  const GpuTile* parent = use({ref.id.parent(), ref.tree});
+GLuint GpuTilePool::parent_heights(const cache::TileRelief& relief, std::uint32_t tree) {
+  if (!relief.parent) return 0;
+  const GpuTile* parent = use({*relief.parent, tree});
   return parent == nullptr ? 0 : parent->relief.heights;
 }
 
-void GpuTilePool::evict_oldest() {
-  const Entry& oldest = entries_.back();
-  pages_[oldest.place.page].free.give(oldest.place.begin, oldest.place.length);
-  bytes_ -= oldest.tile.bytes;
-  picture_bytes_ -= oldest.tile.pictures.bytes + oldest.tile.relief.bytes;
-  textures_.give_back(oldest.tile.pictures);
-  if (reconstructor_) reconstructor_->destroy(oldest.tile.relief);
-  tiles_.erase(oldest.ref);
-  entries_.pop_back();
+void GpuTilePool::evict(Entries::iterator entry) {
+  if (entry->place.length > 0) pages_[entry->place.page].free.give(entry->place.begin, entry->place.length);
+  if (entry->tile.chunk) nested_.give_back(*entry->tile.chunk);
+  owners_.erase(entry->owner);
+  bytes_ -= entry->tile.bytes;
+  picture_bytes_ -= entry->tile.pictures.bytes + entry->tile.relief.bytes;
+  textures_.give_back(entry->tile.pictures);
+  if (reconstructor_) reconstructor_->destroy(entry->tile.relief);
+  tiles_.erase(entry->ref);
+  entries_.erase(entry);
 }
 
 }  // namespace tintree::render

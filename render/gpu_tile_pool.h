@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <list>
 #include <memory>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "codec/grid_frame.h"
 #include "render/gl_functions.h"
 #include "render/patch_reconstructor.h"
+#include "render/nested_chunks.h"
 #include "render/picture_textures.h"
 #include "render/range_allocator.h"
 
@@ -37,6 +40,17 @@ struct GpuTile {
   GpuPictures pictures;
   GpuRelief relief;
   std::size_t bytes = 0;
+  /// Of a tile that is drawn by its nested levels, which has no mesh. The shape is the cache's: without it, the tile is
+  /// not there.
+  std::optional<std::size_t> chunk;
+  std::weak_ptr<const cache::NestedShape> nested;
+};
+
+/// Graphics memory for tiles, by what it holds; never exceeded.
+struct GpuBudgets {
+  std::size_t mesh_bytes = 0;     ///< With what is set aside.
+  std::size_t picture_bytes = 0;  ///< Reliefs too.
+  std::size_t nested_bytes = 0;
 };
 
 /// The tiles uploaded so far, overlays too, in ranges of a few large buffers: a new tile takes the place of the least
@@ -44,29 +58,33 @@ struct GpuTile {
 /// current; not thread-safe.
 class GpuTilePool {
  public:
-  /// Graphics memory for tiles' meshes and for their pictures and reliefs, never exceeded. Without `reconstructor`
-  /// reliefs are left out.
-  GpuTilePool(const GlFunctions& gl, std::size_t budget_bytes, std::size_t picture_budget_bytes = 0,
+  /// Without `reconstructor` reliefs are left out.
+  GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets,
               std::unique_ptr<PatchReconstructor> reconstructor = nullptr);
   ~GpuTilePool();
   GpuTilePool(const GpuTilePool&) = delete;
   GpuTilePool& operator=(const GpuTilePool&) = delete;
 
-  bool contains(const cache::TileRef& tile) const { return tiles_.contains(tile); }
+  bool contains(const cache::TileRef& tile) const;
   /// Copies the tile to the card and marks it as used in this frame. False when it does not fit beside what this frame
   /// has used so far.
   /// The tile's relief is made where its parent's is here; else the tile is lit by its mesh.
   bool upload(const cache::TileRef& ref, const cache::DrawableTile& tile);
   /// The tile, marked as used in this frame, or null.
   const GpuTile* use(const cache::TileRef& tile);
+  /// Keeps that much of the memory for meshes free for something else, instead of what it kept before; buffers that are
+  /// too many then are given back with their tiles. False, and nothing is set aside any more, when it cannot because of
+  /// what this frame has used so far.
+  bool set_aside(std::size_t bytes);
   /// From here on what has been used before may make room.
   void end_frame() { ++frame_; }
 
   const PictureTextures& textures() const { return textures_; }
+  NestedChunks& nested() { return nested_; }
   std::size_t bytes() const { return bytes_; }
   std::size_t tiles() const { return tiles_.size(); }
   /// Of the buffers, tiles or not.
-  std::size_t reserved_bytes() const { return reserved_bytes_; }
+  std::size_t reserved_bytes() const { return reserved_bytes_ + nested_.reserved_bytes(); }
   bool makes_reliefs() const { return reconstructor_ != nullptr; }
 
  private:
@@ -75,6 +93,7 @@ class GpuTilePool {
     GLuint morph_vertex_array = 0;  ///< and of cache::MorphVertex.
     GLuint buffer = 0;
     RangeAllocator free;  ///< In units of one vertex.
+    std::size_t bytes = 0;
   };
   struct Place {
     std::size_t page = 0;
@@ -86,9 +105,14 @@ class GpuTilePool {
     GpuTile tile;
     Place place;
     std::uint64_t frame = 0;  ///< That used it last.
+    std::uint64_t owner = 0;  ///< Of its chunk.
   };
   using Entries = std::list<Entry>;
 
+  /// Whether the tile's nested levels have left the cache.
+  static bool is_hollow(const GpuTile& tile) { return tile.chunk && tile.nested.expired(); }
+  bool place_mesh(const cache::DrawableTile& tile, Entry& out);
+  bool place_nested(const cache::DrawableTile& tile, Entry& out);
   /// Copies arrays into a page's buffer, the vertices to `at` bytes into it and the indices behind them.
   template <typename Vertex, typename Index>
   GpuMesh copy(GLuint vertex_array, std::size_t at, std::span<const Vertex> vertices, std::span<const Index> indices);
@@ -98,23 +122,29 @@ class GpuTilePool {
   bool place(std::size_t length, Place& out);
   bool find_gap(std::size_t length, Place& out);
   bool add_page(std::size_t length);
-  void evict_oldest();
+  /// Gives back a buffer that this frame does not use; false when there is none.
+  bool drop_page();
+  void evict_oldest() { evict(std::prev(entries_.end())); }
+  void evict(Entries::iterator entry);
   /// The same for a tile's pictures.
   bool make_room_for_pictures(std::size_t bytes);
   /// The heights that a tile's relief is made of, kept while it is; 0 where there are none.
-  GLuint parent_heights(const cache::TileRef& ref);
+  GLuint parent_heights(const cache::TileRelief& relief, std::uint32_t tree);
 
   const GlFunctions* gl_;
-  std::size_t budget_bytes_;
-  std::size_t picture_budget_bytes_;
+  GpuBudgets budgets_;
+  std::size_t aside_bytes_ = 0;  ///< Of those for meshes.
   PictureTextures textures_;
+  NestedChunks nested_;
   std::unique_ptr<PatchReconstructor> reconstructor_;
   std::size_t bytes_ = 0;
   std::size_t picture_bytes_ = 0;  ///< Of these, reliefs too.
   std::size_t reserved_bytes_ = 0;
   std::uint64_t frame_ = 0;
-  std::vector<Page> pages_;
-  Entries entries_;  ///< The most recently used first.
+  std::uint64_t next_owner_ = 0;
+  std::unordered_map<std::uint64_t, Entries::iterator> owners_;  ///< Of chunks.
+  std::vector<Page> pages_;                                      ///< Those given back stay, without a buffer.
+  Entries entries_;                                              ///< The most recently used first.
   std::unordered_map<cache::TileRef, Entries::iterator, cache::TileRefHash> tiles_;
 };
 

@@ -99,7 +99,7 @@ bool covered(const TileSet& tiles, Trees trees, std::uint32_t tree, std::uint32_
   codec::TileId id = bounds.nodes()[node].id;
   while (!tiles.contains({id, tree})) {
     if (id.level == 0) return covered_from_below(tiles, bounds, tree, node, kLookBelow);
-    id = id.parent();
+    id = bounds.layout().parent(id);
   }
   return true;
 }

@@ -12,6 +12,7 @@ struct Vertex {
   glm::vec3 from_eye;
   glm::vec4 color;
 };
+constexpr GLint kAttributes[] = {3, 4};
 
 }  // namespace
 
@@ -43,31 +44,8 @@ Expected<LineDrawer> LineDrawer::create(const GlFunctions& gl) {
   return LineDrawer(gl, std::move(*program));
 }
 
-LineDrawer::LineDrawer(const GlFunctions& gl, ShaderProgram program) : gl_(&gl), program_(std::move(program)) {
-  gl.GenVertexArrays(1, &vertex_array_);
-  gl.BindVertexArray(vertex_array_);
-  gl.GenBuffers(1, &vertices_);
-  gl.BindBuffer(GL_ARRAY_BUFFER, vertices_);
-  const auto describe = [&](GLuint location, GLint numbers, std::size_t offset) {
-    gl.VertexAttribPointer(location, numbers, GL_FLOAT, GL_FALSE, sizeof(Vertex), reinterpret_cast<void*>(offset));
-    gl.EnableVertexAttribArray(location);
-  };
-  describe(0, 3, offsetof(Vertex, from_eye));
-  describe(1, 4, offsetof(Vertex, color));
-  gl.BindVertexArray(0);
-}
-
-LineDrawer::LineDrawer(LineDrawer&& other) noexcept
-    : gl_(other.gl_),
-      program_(std::move(other.program_)),
-      vertex_array_(std::exchange(other.vertex_array_, 0)),
-      vertices_(std::exchange(other.vertices_, 0)) {}
-
-LineDrawer::~LineDrawer() {
-  if (vertex_array_ == 0) return;
-  gl_->DeleteVertexArrays(1, &vertex_array_);
-  gl_->DeleteBuffers(1, &vertices_);
-}
+LineDrawer::LineDrawer(const GlFunctions& gl, ShaderProgram program)
+    : gl_(&gl), program_(std::move(program)), stream_(gl, kAttributes) {}
 
 void LineDrawer::draw(const OffscreenTarget& target, const Camera& camera, double near_m,
                       std::span<const WorldLine> lines) const {
@@ -88,12 +66,7 @@ void LineDrawer::draw(const OffscreenTarget& target, const Camera& camera, doubl
   program_.use();
   const glm::mat4 to_clip(camera.projection(near_m, gl_->ClipControl != nullptr) * camera.view_rotation());
   gl_->UniformMatrix4fv(program_.uniform("eye_to_clip"), 1, GL_FALSE, glm::value_ptr(to_clip));
-  gl_->BindVertexArray(vertex_array_);
-  gl_->BindBuffer(GL_ARRAY_BUFFER, vertices_);
-  gl_->BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data(),
-                  GL_STREAM_DRAW);
-  gl_->DrawArrays(GL_LINES, 0, static_cast<GLsizei>(vertices.size()));
-  gl_->BindVertexArray(0);
+  stream_.draw(GL_LINES, std::span<const Vertex>(vertices));
   gl_->Disable(GL_BLEND);
   gl_->DepthMask(GL_TRUE);
 }

@@ -12,6 +12,7 @@
 #include "render/gl_functions.h"
 #include "render/offscreen_target.h"
 #include "render/shader_program.h"
+#include "render/vertex_stream.h"
 
 namespace tintree::render {
 
@@ -35,10 +36,6 @@ class LineDrawer {
   /// `gl` must outlive it. Fails with kIo when the driver refuses a shader.
   static Expected<LineDrawer> create(const GlFunctions& gl);
 
-  LineDrawer(LineDrawer&& other) noexcept;
-  LineDrawer& operator=(LineDrawer&&) = delete;
-  ~LineDrawer();
-
   /// `near_m`: as the ground was drawn with (Renderer::near_m).
   void draw(const OffscreenTarget& target, const Camera& camera, double near_m, std::span<const WorldLine> lines) const;
 
@@ -47,8 +44,7 @@ class LineDrawer {
 
   const GlFunctions* gl_;
   ShaderProgram program_;
-  GLuint vertex_array_ = 0;
-  GLuint vertices_ = 0;
+  VertexStream stream_;
 };
 
 }  // namespace tintree::render

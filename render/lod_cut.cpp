@@ -73,7 +73,8 @@ class Walk {
   }
 
   bool is_fine_enough(const cache::TileNode& node, const Seen& seen) const {
-    const bool sharp = bounds_->texel_m(node.id.level) == 0 || seen.texel_px <= options_.texel_px;
+    const bool sharp = bounds_->texel_m(node.id.level) == 0 || seen.texel_px <= options_.texel_px ||
+                       bounds_->layout().is_leaf_square(node.id.level);  // There are none finer.
     return seen.error_px <= options_.pixel_error && sharp;
   }
 
@@ -160,7 +161,7 @@ class Walk {
 
   unsigned nearest_quadrant(const codec::TileId& id) const {
     const codec::TreeLayout& layout = bounds_->layout();
-    const auto half = static_cast<double>(layout.cells_across(id.level + 1));
+    const auto half = 0.5 * static_cast<double>(layout.cells_across(id.level));
     const auto [column, row] = layout.grid(camera_.eye.x, camera_.eye.y);
     return (column >= (2.0 * id.x + 1) * half ? 1U : 0U) | (row > (2.0 * id.y + 1) * half ? 2U : 0U);
   }
@@ -190,7 +191,7 @@ class Walk {
     codec::TileId id = bounds_->nodes()[index].id;
     while (state(index) == TileState::kLost) {
       if (id.level == 0) return true;
-      id = id.parent();
+      id = bounds_->layout().parent(id);
       index = static_cast<std::uint32_t>(bounds_->find(id));
     }
     return false;
@@ -223,6 +224,7 @@ class Walk {
   }
 
   void summarise() {
+    cut_.options = options_;
     if (!cut_.draws.empty()) cut_.nearest_m = std::numeric_limits<double>::infinity();
     for (const DrawTile& d : cut_.draws) {
       cut_.max_error_px = std::max(cut_.max_error_px, d.error_px);

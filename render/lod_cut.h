@@ -30,10 +30,12 @@ struct DrawTile {
   double farthest_m = 0;
   bool stands_in = false;  ///< Drawn because what should be drawn here is not resident.
   double morph = 0;        ///< Share of the way to the parent's surface at which to draw it.
+  int nested_level = 8;    ///< Of a tile with nested levels, the one to draw it by (render/nested_lod.h).
 };
 
 /// Which tiles to draw for a view, and which to fetch.
 struct LodCut {
+  CutOptions options;           ///< That it was chosen by.
   std::vector<DrawTile> draws;  ///< Tree by tree, the nearest first; in each front to back, no two overlapping.
   /// Missing tiles, the most important on the screen first: the coarsest, then those nearest to the view's middle.
   std::vector<cache::TileRef> requests;

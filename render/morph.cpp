@@ -6,7 +6,7 @@
 namespace tintree::render {
 
 const cache::TileNode& parent_of(const cache::TileBounds& bounds, const cache::TileNode& node) {
-  return bounds.nodes()[static_cast<std::size_t>(bounds.find(node.id.parent()))];
+  return bounds.nodes()[static_cast<std::size_t>(bounds.find(bounds.layout().parent(node.id)))];
 }
 
 double morph_weight(const cache::TileBounds& bounds, std::uint32_t node, const ScreenError& screen_error,

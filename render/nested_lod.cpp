@@ -3,63 +3,52 @@
 #include <algorithm>
 #include <cmath>
 
-#include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
-#include <glm/matrix.hpp>
-
 namespace tintree::render {
 namespace {
 
-/// Levels above the finest that a corner at the eye wants.
-constexpr double kNearest = 1000;
+constexpr int kFinest = cache::NestedShape::kLevels - 1;
 
 }  // namespace
 
-double lod_scale_m(const Camera& camera, const glm::dvec3& point, const glm::dvec2& along) {
-  const CameraAxes axes = camera.axes();
-  const glm::dvec3 from_eye = point - camera.eye;
-  const double depth = glm::dot(axes.forward, from_eye);
-  if (depth <= 0) return 0;
-  const double f = camera.focal_px() / depth;
-  const glm::dvec3 s1 = f * (axes.right - glm::dot(axes.right, from_eye) / depth * axes.forward);
-  const glm::dvec3 s2 = f * (axes.up - glm::dot(axes.up, from_eye) / depth * axes.forward);
-  // Columns of the inverse of the matrix with these rows.
-  const glm::dmat3 inverse = glm::inverse(glm::transpose(glm::dmat3(s1, s2, axes.forward)));
-  return glm::length(inverse * glm::dvec3(along, 0)) / glm::length(along);
+float level_for(float bounds) {
+  const float coarser = std::floor(std::max(std::log2(bounds), 0.0F));
+  return kFinest + 1 - coarser - std::max(bounds, 1.0F) * std::exp2(-coarser);
 }
 
-CornerLevels corner_levels(const Camera& camera, const std::array<glm::dvec3, 8>& corners, double bound_m, int levels,
-                           double pixel_error) {
-  CornerLevels out{};
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    const double rho = pixel_error * lod_scale_m(camera, corners[k]) / camera.vertical_gain();
-    const double above = rho > 0 ? -std::log2(rho / bound_m) : kNearest;
-    out[k] = static_cast<float>(levels - 1 + std::min(above, kNearest));
+int mesh_level(const ScreenError& screen_error, const cache::Box& box, double bound_m, double pixel_error) {
+  int level = kFinest;
+  while (level > 0) {
+    const auto coarser_px = screen_error.bound_px(box, std::ldexp(bound_m, kFinest - level + 1));
+    if (!coarser_px || *coarser_px > pixel_error) break;
+    --level;
   }
-  return out;
+  return level;
 }
 
-float level_at(const CornerLevels& corners, const std::array<float, 3>& at) {
-  const auto mix = [](float a, float b, float t) { return a * (1 - t) + b * t; };
-  std::array<float, 4> up{};
-  for (std::size_t k = 0; k < 4; ++k) up[k] = mix(corners[k], corners[k + 4], at[2]);
-  return mix(mix(up[0], up[1], at[0]), mix(up[2], up[3], at[0]), at[1]);
-}
-
-int mesh_level(const CornerLevels& corners, int levels) {
-  const float finest = std::ranges::max(corners);
-  return static_cast<int>(std::clamp(std::ceil(finest), 0.0F, static_cast<float>(levels - 1)));
-}
-
-std::array<float, codec::NestedTile::kMostLevels> morph_weights(float level, int levels) {
-  std::array<float, codec::NestedTile::kMostLevels> out{};
+std::array<float, cache::NestedShape::kLevels> morph_weights(float level) {
+  std::array<float, cache::NestedShape::kLevels> out{};
   float before = 1;
-  for (int i = 0; i < levels; ++i) {
-    const float ramp = i < levels - 1 ? std::clamp(level - static_cast<float>(i), 0.0F, 1.0F) : 0;
+  for (int i = 0; i <= kFinest; ++i) {
+    const float ramp = i < kFinest ? std::clamp(level - static_cast<float>(i), 0.0F, 1.0F) : 0;
     out[static_cast<std::size_t>(i)] = before - ramp;
     before = ramp;
   }
   return out;
+}
+
+void choose_nested_levels(Trees trees, const Camera& camera, std::span<const std::uint8_t> nested, LodCut& cut) {
+  if (std::ranges::none_of(nested, [](std::uint8_t is) { return is != 0; })) return;
+  const ScreenError screen_error(camera);
+  for (DrawTile& d : cut.draws) {
+    if (nested[d.tree] == 0) continue;
+    const cache::TileBounds& bounds = *trees[d.tree];
+    const cache::TileNode& node = bounds.nodes()[d.node];
+    const double bound_m = bounds.layout().bound_m(node.id.level);
+    d.nested_level = mesh_level(screen_error, bounds.box(node), bound_m, cut.options.pixel_error);
+    const double error_m = std::ldexp(bound_m, kFinest - d.nested_level);
+    if (d.nested_level < kFinest) d.error_px = screen_error.bound_px(bounds.box(node), error_m).value_or(d.error_px);
+    cut.max_error_px = std::max(cut.max_error_px, d.error_px);
+  }
 }
 
 }  // namespace tintree::render

@@ -1,44 +1,32 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <span>
 
-#include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
-
-#include "codec/nested_tile.h"
-#include "render/camera.h"
+#include "cache/nested_shape.h"
+#include "render/lod_cut.h"
+#include "render/screen_error.h"
 
 namespace tintree::render {
 
-/// The scale of detail at a point (Schneider and Westermann 2006, section 5): how many metres of the world, at the
-/// point's depth, one step of `along` on the screen spans, a unit of `along` being a pixel; the length of
-///   sum over i of (dv_i/ds_1 along_1 + dv_i/ds_2 along_2) / |along|,
-/// v the world and s = (s_1, s_2 in pixels, s_3 the depth in metres), from the inverse of the projection's Jacobian
-/// matrix. 0 at the eye's depth and behind it.
-double lod_scale_m(const Camera& camera, const glm::dvec3& point, const glm::dvec2& along = {0, 1});
+/// The nested level of detail (Schneider and Westermann 2006, section 5) where an error of so many bounds of a tile's
+/// level is allowed, a real number: 8, the tile's own mesh, up to one bound; 8 - i at 2^i bounds, where the paper's
+/// logarithm is; linear in the error between these, as the surface between two meshes is. The vertex shader does the
+/// same, vertex by vertex from its own depth (the paper: from the corners of the tile's box), so that two tiles that
+/// show a place, side by side or one after the other, agree on its level.
+float level_for(float bounds);
 
-/// The nested level wanted at the corners of a tile's box, real numbers: 0 the coarsest, levels - 1 the tile's own
-/// mesh. They grow without end towards the eye. Corner k lies east on the grid if bit 0 of k is set, south if bit 1 is,
-/// at the top if bit 2 is.
-using CornerLevels = std::array<float, 8>;
-
-/// Level i is wanted where its tolerance, 2^(levels - 1 - i) bounds, is what the pixel error allows:
-///   level = levels - 1 - log2(rho / bound_m),    rho = pixel_error * lod_scale_m / vertical_gain
-/// (Camera::vertical_gain: the paper's rho leaves out that a point also moves by coming nearer). Interpolated between
-/// the corners it is never less than that at a point between them: depth is linear in the plane and its logarithm
-/// concave. So the error stays within pixel_error.
-CornerLevels corner_levels(const Camera& camera, const std::array<glm::dvec3, 8>& corners, double bound_m, int levels,
-                           double pixel_error);
-
-/// Trilinear between the corners, `at` from 0 to 1 east, south and up. The vertex shader does the same.
-float level_at(const CornerLevels& corners, const std::array<float, 3>& at);
-
-/// The mesh that holds all vertices that the corners' levels can ask for: the least level not below any of them.
-int mesh_level(const CornerLevels& corners, int levels);
+/// The least level that all of a box can be drawn by: level i of a tile is within 2^(8 - i) times `bound_m`.
+int mesh_level(const ScreenError& screen_error, const cache::Box& box, double bound_m, double pixel_error);
 
 /// Weights of the heights on levels 0 to 8 of a vertex at this level: forward differences of the clamped ramps
-/// clamp(level - i, 0, 1), the piecewise linear basis (section 5, Geomorphing). They add up to 1 for 0 <= level, and
-/// those of the levels from `levels` - 1 on lie on `levels` - 1. The vertex shader does the same.
-std::array<float, codec::NestedTile::kMostLevels> morph_weights(float level, int levels);
+/// clamp(level - i, 0, 1), the piecewise linear basis (section 5, Geomorphing). They add up to 1. The vertex shader
+/// does the same.
+std::array<float, cache::NestedShape::kLevels> morph_weights(float level);
+
+/// Sets DrawTile::nested_level of the tiles of trees that are `nested` (not 0), and what is drawn of them by a coarser
+/// level than their own counts for that level's error.
+void choose_nested_levels(Trees trees, const Camera& camera, std::span<const std::uint8_t> nested, LodCut& cut);
 
 }  // namespace tintree::render

@@ -5,13 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "cache/nested_shape.h"
+
 namespace tintree::render {
 
-/// A vertex of a tile's outline: its place along a line that two tiles share, in half samples of the DEM.
-struct BorderVertex {
-  std::int64_t along = 0;
-  std::uint32_t vertex = 0;
-};
+using cache::BorderVertex;
 
 /// Corner of a triangle between two tiles: a vertex of the first (`other` false) or the second.
 struct StitchCorner {

@@ -76,7 +76,7 @@ std::size_t PatchReconstructor::bytes(const cache::TileRelief& relief) {
 }
 
 GpuRelief PatchReconstructor::make(const cache::TileRelief& relief, GLuint parent_heights) const {
-  if (relief.has_parent && parent_heights == 0) return {};
+  if (relief.parent && parent_heights == 0) return {};
   GpuRelief out;
   out.heights = make_heights(relief, parent_heights);
   out.normals = make_normals(relief, out.heights);
@@ -106,7 +106,7 @@ GLuint PatchReconstructor::make_heights(const cache::TileRelief& relief, GLuint 
   gl_->Uniform1i(heights_.uniform("parent_heights"), 1);
   gl_->Uniform1i(heights_.uniform("low"), residual.low);
   gl_->Uniform1i(heights_.uniform("step"), residual.step);
-  gl_->Uniform1i(heights_.uniform("has_parent"), relief.has_parent ? 1 : 0);
+  gl_->Uniform1i(heights_.uniform("has_parent"), relief.parent ? 1 : 0);
   gl_->Uniform1i(heights_.uniform("east"), (relief.quadrant & 1) * own);
   gl_->Uniform1i(heights_.uniform("south"), (relief.quadrant >> 1) * own);
   fill(out, residual.side);

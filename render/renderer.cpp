@@ -51,21 +51,24 @@ double diagonal_m(const cache::Box& box) {
 }  // namespace
 
 Expected<Renderer> Renderer::create(const GlFunctions& gl) {
-  auto terrain = ShaderProgram::create(gl, "terrain.vert.glsl", "terrain.frag.glsl");
+  auto terrain = make_ground_program(gl, "terrain.vert.glsl");
   if (!terrain) return tl::unexpected(terrain.error());
+  auto nested = NestedDrawer::create(gl);
+  if (!nested) return tl::unexpected(nested.error());
   auto sky = ShaderProgram::create(gl, "sky.vert.glsl", "sky.frag.glsl");
   if (!sky) return tl::unexpected(sky.error());
-  return Renderer(gl, std::move(*terrain), std::move(*sky));
+  return Renderer(gl, std::move(*terrain), std::move(*nested), std::move(*sky));
 }
 
-Renderer::Renderer(const GlFunctions& gl, ShaderProgram terrain, ShaderProgram sky)
-    : gl_(&gl), terrain_(std::move(terrain)), sky_(std::move(sky)) {
+Renderer::Renderer(const GlFunctions& gl, ShaderProgram terrain, NestedDrawer nested, ShaderProgram sky)
+    : gl_(&gl), terrain_(std::move(terrain)), nested_(std::move(nested)), sky_(std::move(sky)) {
   gl_->GenVertexArrays(1, &no_vertices_);
 }
 
 Renderer::Renderer(Renderer&& other) noexcept
     : gl_(other.gl_),
       terrain_(std::move(other.terrain_)),
+      nested_(std::move(other.nested_)),
       sky_(std::move(other.sky_)),
       no_vertices_(std::exchange(other.no_vertices_, 0)) {}
 
@@ -102,24 +105,25 @@ void Renderer::draw_background(const OffscreenTarget& target, const Camera& came
   gl_->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void Renderer::set_terrain_uniforms(const Camera& camera, Trees trees, const LodCut& cut, const Style& style) const {
+void Renderer::begin(const ShaderProgram& program, const Camera& camera, Trees trees, const LodCut& cut,
+                     const Style& style) const {
   const bool zero_to_one = gl_->ClipControl != nullptr;
   const cache::Box box = whole_box(trees);
   const double level = std::cos(style.sun_elevation_rad);
-  terrain_.use();
-  set(*gl_, terrain_.uniform("eye_to_clip"), camera.projection(near_m(cut), zero_to_one) * camera.view_rotation());
-  set(*gl_, terrain_.uniform("gap_slope"), gap_slope(camera, cut));
-  set(*gl_, terrain_.uniform("ahead"), camera.axes().forward);
-  set(*gl_, terrain_.uniform("least_gain"), ScreenError::kLeastGain);
-  set(*gl_, terrain_.uniform("eye_rise"), camera.eye.z - box.min[2]);
-  set(*gl_, terrain_.uniform("relief"), std::max(box.max[2] - box.min[2], 1e-3));
+  program.use();
+  set(*gl_, program.uniform("eye_to_clip"), camera.projection(near_m(cut), zero_to_one) * camera.view_rotation());
+  set(*gl_, program.uniform("gap_slope"), gap_slope(camera, cut));
+  set(*gl_, program.uniform("ahead"), camera.axes().forward);
+  set(*gl_, program.uniform("least_gain"), ScreenError::kLeastGain);
+  set(*gl_, program.uniform("eye_rise"), camera.eye.z - box.min[2]);
+  set(*gl_, program.uniform("relief"), std::max(box.max[2] - box.min[2], 1e-3));
   const double haze = style.fog_m > 0 ? kFog / style.fog_m : kHaze / std::max(diagonal_m(box), 1e-3);
-  set(*gl_, terrain_.uniform("haze_per_metre"), style.background ? 0.0 : haze);
-  set(*gl_, terrain_.uniform("haze_begin"), style.fog_m > 0 ? 0.0 : cut.nearest_m);
-  gl_->Uniform1i(terrain_.uniform("photo"), 0);
-  gl_->Uniform1i(terrain_.uniform("normal_directions"), 1);
-  gl_->Uniform1i(terrain_.uniform("normal_lengths"), 2);
-  set(*gl_, terrain_.uniform("to_sun"),
+  set(*gl_, program.uniform("haze_per_metre"), style.background ? 0.0 : haze);
+  set(*gl_, program.uniform("haze_begin"), style.fog_m > 0 ? 0.0 : cut.nearest_m);
+  gl_->Uniform1i(program.uniform("photo"), 0);
+  gl_->Uniform1i(program.uniform("normal_directions"), 1);
+  gl_->Uniform1i(program.uniform("normal_lengths"), 2);
+  set(*gl_, program.uniform("to_sun"),
       glm::dvec3(std::sin(style.sun_azimuth_rad) * level, std::cos(style.sun_azimuth_rad) * level,
                  std::sin(style.sun_elevation_rad)));
 }
@@ -138,27 +142,30 @@ DrawStats Renderer::draw_ground(const Camera& camera, Trees trees, const LodCut&
   gl_->Enable(GL_DEPTH_TEST);
   gl_->DepthFunc(GL_GREATER);
   if (style.wireframe) gl_->PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-  set_terrain_uniforms(camera, trees, cut, style);
+  begin(terrain_, camera, trees, cut, style);
+  draw_meshes(camera, trees, cut, pool, style, stats);
+  begin(nested_.program(), camera, trees, cut, style);
+  nested_.draw(camera, trees, cut, pool, style, stats);
+  gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  gl_->BindVertexArray(0);
+  return stats;
+}
+
+void Renderer::draw_meshes(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool, const Style& style,
+                           DrawStats& stats) const {
   const GLint address_to_eye = terrain_.uniform("address_to_eye");
   const GLint tile_share = terrain_.uniform("tile_share");
-  const GLint normal_mapped = terrain_.uniform("normal_mapped");
   const GLint morph = terrain_.uniform("morph");
-  const GLint tile_tint_at = terrain_.uniform("tile_tint");
   GLuint bound = 0;
   for (const DrawTile& d : cut.draws) {
-    const GpuTile* tile = pool.use({trees[d.tree]->nodes()[d.node].id, d.tree});
-    if (tile == nullptr) continue;
+    const cache::TileNode& node = trees[d.tree]->nodes()[d.node];
+    const GpuTile* tile = pool.use({node.id, d.tree});
+    if (tile == nullptr || tile->chunk) continue;
     const std::array<double, 16> matrix = tile->frame.matrix({camera.eye.x, camera.eye.y, camera.eye.z});
     set(*gl_, address_to_eye, glm::make_mat4(matrix.data()));
-    const cache::TileBounds& tree = *trees[d.tree];
-    const auto across = static_cast<double>(tree.layout().cells_across(tree.nodes()[d.node].id.level));
+    const auto across = static_cast<double>(trees[d.tree]->layout().cells_across(node.id.level));
     set(*gl_, tile_share, std::ldexp(1.0, tile->frame.xy_shift) / across);
-    GpuPictures pictures = tile->pictures;
-    if (pictures.directions == 0) pictures.directions = tile->relief.normals;
-    gl_->Uniform1i(normal_mapped, pictures.directions != 0 ? 1 : 0);
-    pool.textures().bind(pictures);
-    const glm::vec4 tint = tile_tint(style.tint, tree.nodes()[d.node], d, style.allowed_px);
-    gl_->Uniform4f(tile_tint_at, tint.r, tint.g, tint.b, tint.a);
+    set_tile_look(*gl_, terrain_, pool, *tile, node, d, style);
     const bool morphs = d.morph > 0 && tile->morph.vertex_array != 0;
     const GpuMesh& mesh = morphs ? tile->morph : tile->mesh;
     if (std::exchange(bound, mesh.vertex_array) != mesh.vertex_array) gl_->BindVertexArray(mesh.vertex_array);
@@ -170,9 +177,6 @@ DrawStats Renderer::draw_ground(const Camera& camera, Trees trees, const LodCut&
     ++stats.draw_calls;
     stats.triangles += mesh.surface_triangles;
   }
-  gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-  gl_->BindVertexArray(0);
-  return stats;
 }
 
 }  // namespace tintree::render

@@ -1,49 +1,21 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
-
-#include <glm/vec3.hpp>
-
 #include "cache/tile_bounds.h"
 #include "codec/error.h"
 #include "render/camera.h"
 #include "render/gl_functions.h"
 #include "render/gpu_tile_pool.h"
+#include "render/ground_style.h"
 #include "render/lod_cut.h"
+#include "render/nested_drawer.h"
 #include "render/offscreen_target.h"
 #include "render/shader_program.h"
-#include "render/tile_tint.h"
 
 namespace tintree::render {
 
-/// How the ground looks.
-struct Style {
-  double sun_azimuth_rad = 5.4977871437821382;    ///< Where the sun stands, clockwise from north: north-west.
-  double sun_elevation_rad = 0.5934119456780721;  ///< Above the horizon: 34 degrees.
-  /// One sRGB colour (0 to 1) behind the ground, without haze before it; without it, a sky.
-  std::optional<glm::vec3> background;
-  Tint tint = Tint::kHeight;
-  double allowed_px = 1;  ///< What Tint::kError measures errors by.
-  /// Metres from the eye at which fog takes 95 hundredths of the ground's light; 0: the air of a clear day, by the
-  /// scene's size.
-  double fog_m = 0;
-  bool wireframe = false;
-  bool skirts = true;  ///< Off only to see the gaps that they fill.
-};
-
-/// What a frame drew.
-struct DrawStats {
-  std::uint32_t tiles = 0;
-  std::uint32_t draw_calls = 0;
-  std::uint64_t triangles = 0;  ///< Of surfaces; skirts are not counted.
-  /// Tiles that an impostor stood in for, and triangles drawn into a new one.
-  std::uint32_t impostor_tiles = 0;
-  std::uint64_t impostor_triangles = 0;
-};
-
 /// Draws a cut: every tile through the matrix that takes its grid addresses to metres relative to the eye
-/// (codec::GridFrame::matrix, made in double), lit by the sun, tinted by height, with reversed depth.
+/// (codec::GridFrame::matrix, made in double), lit by the sun, tinted by height, with reversed depth. What a tile is on
+/// the card, a mesh or nested levels, decides how it is drawn; all are lit by one fragment shader.
 /// Lives and dies while its context is current; not thread-safe.
 class Renderer {
  public:
@@ -70,11 +42,16 @@ class Renderer {
   static double gap_slope(const Camera& camera, const LodCut& cut);
 
  private:
-  Renderer(const GlFunctions& gl, ShaderProgram terrain, ShaderProgram sky);
-  void set_terrain_uniforms(const Camera& camera, Trees trees, const LodCut& cut, const Style& style) const;
+  Renderer(const GlFunctions& gl, ShaderProgram terrain, NestedDrawer nested, ShaderProgram sky);
+  /// Uses a program of the ground and tells it what is the same for all tiles.
+  void begin(const ShaderProgram& program, const Camera& camera, Trees trees, const LodCut& cut,
+             const Style& style) const;
+  void draw_meshes(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool, const Style& style,
+                   DrawStats& stats) const;
 
   const GlFunctions* gl_;
   ShaderProgram terrain_;
+  NestedDrawer nested_;
   ShaderProgram sky_;
   GLuint no_vertices_ = 0;  ///< The core profile demands a vertex array even where there is no vertex.
 };

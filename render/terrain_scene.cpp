@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 #include <utility>
 
 #include "cache/patch_lighting.h"
+#include "render/nested_lod.h"
 
 namespace tintree::render {
 namespace {
@@ -12,22 +14,31 @@ namespace {
 /// How far ahead of the camera tiles are fetched, and the most at once.
 constexpr double kAhead_s = 1;
 constexpr std::size_t kMostAhead = 2048;
+/// The method whose tiles are drawn by their nested levels.
+constexpr std::string_view kNested = "nested";
 
 std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::span<const PlacedTree> places) {
   std::vector<cache::TileCache::Source> out;
-  for (std::size_t i = 0; i < stores.size(); ++i) out.push_back({stores[i], places[i].layout, places[i].joined_sides});
+  for (std::size_t i = 0; i < stores.size(); ++i) {
+    const bool nested = stores[i]->manifest().method == kNested;
+    out.push_back({stores[i], places[i].layout, places[i].joined_sides, nested});
+  }
   return out;
 }
 
 /// Whether its tiles are lit by their patches.
 bool has_reliefs(const cache::TileStore* store) { return cache::lit_by_patches(store->manifest()); }
 
-/// What of the graphics memory meshes may take: a half where there are pictures.
-std::size_t mesh_bytes(TerrainScene::Stores stores, std::size_t gpu_bytes) {
+/// A half of the graphics memory is for pictures where there are any; of the rest nested trees have their share.
+GpuBudgets budgets(TerrainScene::Stores stores, std::size_t gpu_bytes) {
   const bool pictures = std::ranges::any_of(stores, [](const cache::TileStore* store) {
     return store->manifest().texture_size > 0 || store->manifest().normal_maps || has_reliefs(store);
   });
-  return pictures ? gpu_bytes / 2 : gpu_bytes;
+  const std::size_t rest = pictures ? gpu_bytes / 2 : gpu_bytes;
+  const auto nested = static_cast<std::size_t>(
+      std::ranges::count_if(stores, [](const cache::TileStore* store) { return store->manifest().method == kNested; }));
+  const std::size_t nested_bytes = rest / stores.size() * nested;
+  return {.mesh_bytes = rest - nested_bytes, .picture_bytes = gpu_bytes - rest, .nested_bytes = nested_bytes};
 }
 
 }  // namespace
@@ -70,21 +81,27 @@ TerrainScene::TerrainScene(const GlFunctions& gl, Stores stores, std::span<const
           sources(stores, places),
           cache::TileCache::Options{
               .bytes = options.cache_bytes, .morph = options.cut.morph, .texture_blocks = gl.texture_blocks})),
-      pool_(gl, mesh_bytes(stores, options.gpu_bytes), options.gpu_bytes - mesh_bytes(stores, options.gpu_bytes),
-            std::move(reconstructor)),
+      pool_(gl, budgets(stores, options.gpu_bytes), std::move(reconstructor)),
       renderer_(std::move(renderer)),
       far_picture_(std::move(far_picture)) {
   placed_.reserve(stores.size());
   for (std::size_t i = 0; i < stores.size(); ++i) {
-    if (i > 0) placed_.push_back(stores[i]->bounds().placed(places[i].layout));
-    trees_.push_back(i > 0 ? &placed_.back() : &stores[i]->bounds());
+    const bool nested = stores[i]->manifest().method == kNested;
+    nested_.push_back(nested ? 1 : 0);
+    const bool even = nested && options.cut.morph;
+    if (i > 0 || even) placed_.push_back(stores[i]->bounds().placed(places[i].layout));
+    if (even) placed_.back().raise_errors();
+    trees_.push_back(i > 0 || even ? &placed_.back() : &stores[i]->bounds());
   }
 }
 
 TileState TerrainScene::state(std::uint32_t tree, std::uint32_t node) {
   // Asking marks as used: what the walk has looked at must not make room before the rest has come.
   const cache::TileRef tile{trees_[tree]->nodes()[node].id, tree};
-  if (pool_.use(tile) != nullptr) return TileState::kResident;
+  if (const GpuTile* here = pool_.use(tile)) {
+    if (here->chunk) static_cast<void>(cache_->get(tile));
+    return TileState::kResident;
+  }
   return cache_->lost(tile) ? TileState::kLost : TileState::kMissing;
 }
 
@@ -118,8 +135,8 @@ std::size_t TerrainScene::take_over(std::vector<cache::TileRef>& wanted) {
 
 bool TerrainScene::bring_parent(const cache::TileRef& ref, const cache::DrawableTile& tile,
                                 std::vector<cache::TileRef>& missing) {
-  if (!pool_.makes_reliefs() || !tile.relief || !tile.relief->has_parent) return true;
-  const cache::TileRef parent{ref.id.parent(), ref.tree};
+  if (!pool_.makes_reliefs() || !tile.relief || !tile.relief->parent) return true;
+  const cache::TileRef parent{*tile.relief->parent, ref.tree};
   if (pool_.use(parent) != nullptr || cache_->lost(parent)) return true;
   const auto ready = cache_->get(parent);
   if (ready == nullptr) {
@@ -167,6 +184,11 @@ LodCut TerrainScene::advance(const Camera& camera, std::optional<double> seconds
   };
   LodCut cut = choose();
   if (take_over(cut.requests) > 0) cut = choose();
+  if (far_picture_ && pool_full_) {
+    give_up_far_picture();
+    return advance(camera, seconds);
+  }
+  choose_nested_levels(trees_, camera, nested_, cut);
   occlusion_pays_.note_frame(cut.draws.size(), cut.occluded);
   count_misses(cut.requests);
   std::vector<cache::TileRef> ahead = seconds ? tiles_ahead(camera, *seconds) : std::vector<cache::TileRef>{};
@@ -188,12 +210,25 @@ std::vector<cache::TileRef> TerrainScene::plan_far_picture(const Camera& camera)
     };
     const auto cut = [&] { return lod_cut(trees_, from, options, state_beyond); };
     LodCut chosen = cut();
-    return take_over(chosen.requests) > 0 ? cut() : chosen;
+    if (take_over(chosen.requests) > 0) chosen = cut();
+    choose_nested_levels(trees_, from, nested_, chosen);
+    return chosen;
   };
-  auto missing = far_picture_->plan(camera, trees_, options_.cut, choose);
-  std::erase_if(missing, [this](const cache::TileRef& t) { return cache_->lost(t); });
-  far_picture_lacks_ = !missing.empty() && !pool_full_;
-  return missing;
+  auto missing = far_picture_->plan(camera, trees_, pool_, options_.cut, choose);
+  // The view itself has room for its tiles.
+  if (std::exchange(pool_full_, false) || !missing) {
+    give_up_far_picture();
+    return {};
+  }
+  std::erase_if(*missing, [this](const cache::TileRef& t) { return cache_->lost(t); });
+  far_picture_lacks_ = !missing->empty();
+  return std::move(*missing);
+}
+
+void TerrainScene::give_up_far_picture() {
+  far_picture_.reset();
+  far_picture_lacks_ = false;
+  pool_.set_aside(0);
 }
 
 LodCut TerrainScene::update(const Camera& camera, std::optional<double> seconds) {
@@ -207,7 +242,7 @@ void TerrainScene::sum_up() {
   const cache::TileCache::Stats cache = cache_->stats();
   stats_.bytes_read = cache.bytes_read - std::exchange(bytes_read_before_, cache.bytes_read);
   stats_.cache_bytes = cache.bytes;
-  stats_.gpu_bytes = pool_.bytes();
+  stats_.gpu_bytes = pool_.bytes() + (far_picture_ ? far_picture_->bytes() : 0);
   stats_.gpu_memory_full = pool_full_;
 }
 

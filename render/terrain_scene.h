@@ -29,7 +29,8 @@ struct SceneOptions {
   Occlusion occlusion = Occlusion::kWhereItPays;
   bool impostors = false;  ///< Far ground as a picture that holds for several frames (render/impostor.h).
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< Main memory for tiles made ready.
-  /// Graphics memory for tiles, never exceeded: a view that needs more is drawn coarser where it does not fit.
+  /// Graphics memory for tiles, and for the impostors' picture, never exceeded: a view that needs more is drawn without
+  /// impostors from then on, and coarser where its tiles do not fit.
   std::size_t gpu_bytes = std::size_t{512} << 20;
   /// The most that update() uploads at once, so that a frame stays short; it uploads one tile at least.
   std::size_t upload_bytes = std::numeric_limits<std::size_t>::max();
@@ -43,7 +44,7 @@ struct FrameStats {
   std::size_t upload_bytes = 0;
   std::uint64_t bytes_read = 0;  ///< Payload bytes read by the caching thread since the frame before.
   std::size_t cache_bytes = 0;   ///< Main memory held by tiles made ready.
-  std::size_t gpu_bytes = 0;     ///< Graphics memory held by tiles.
+  std::size_t gpu_bytes = 0;     ///< Graphics memory held by tiles and the impostors' picture.
   bool gpu_memory_full = false;  ///< The view needs more than that may be: parts of it are drawn coarser.
 };
 
@@ -100,17 +101,21 @@ class TerrainScene {
   void count_misses(std::span<const cache::TileRef> missing);
   /// What to load ahead, as seen from where the camera is going.
   std::vector<cache::TileRef> tiles_ahead(const Camera& camera, double seconds);
-  /// Returns what the next impostor lacks.
+  /// Returns what the next impostor lacks. Where impostors and what the view needs do not fit into the graphics memory
+  /// together there are none any more.
   std::vector<cache::TileRef> plan_far_picture(const Camera& camera);
+  void give_up_far_picture();
   void sum_up();
 
   SceneOptions options_;
-  std::vector<cache::TileBounds> placed_;  ///< Of all trees but the first, which lies where its store says.
+  /// Of all trees but the first, which lies where its store says, unless its errors are raised.
+  std::vector<cache::TileBounds> placed_;
+  std::vector<std::uint8_t> nested_;  ///< 1 for trees that are drawn by their nested levels.
   std::vector<const cache::TileBounds*> trees_;
   std::unique_ptr<cache::TileCache> cache_;
   GpuTilePool pool_;
   Renderer renderer_;
-  std::unique_ptr<FarPicture> far_picture_;  ///< Null without impostors.
+  std::unique_ptr<FarPicture> far_picture_;  ///< Null without impostors, or room for them.
   bool far_picture_lacks_ = false;           ///< Tiles of the next one are on their way.
   CameraTrail trail_;
   OcclusionSwitch occlusion_pays_;

@@ -17,6 +17,7 @@ struct Vertex {
   glm::vec2 texel;
   glm::vec4 color;
 };
+constexpr GLint kAttributes[] = {2, 2, 4};
 
 /// Stands for an area without a character where the atlas' corners are wanted.
 constexpr glm::vec2 kPlain{-1e6F, 0};
@@ -74,33 +75,16 @@ Expected<TextDrawer> TextDrawer::create(const GlFunctions& gl) {
 }
 
 TextDrawer::TextDrawer(const GlFunctions& gl, ShaderProgram program)
-    : gl_(&gl), program_(std::move(program)), atlas_(make_atlas(gl)) {
-  gl.GenVertexArrays(1, &vertex_array_);
-  gl.BindVertexArray(vertex_array_);
-  gl.GenBuffers(1, &vertices_);
-  gl.BindBuffer(GL_ARRAY_BUFFER, vertices_);
-  const auto describe = [&](GLuint location, GLint numbers, std::size_t offset) {
-    gl.VertexAttribPointer(location, numbers, GL_FLOAT, GL_FALSE, sizeof(Vertex), reinterpret_cast<void*>(offset));
-    gl.EnableVertexAttribArray(location);
-  };
-  describe(0, 2, offsetof(Vertex, at_px));
-  describe(1, 2, offsetof(Vertex, texel));
-  describe(2, 4, offsetof(Vertex, color));
-  gl.BindVertexArray(0);
-}
+    : gl_(&gl), program_(std::move(program)), atlas_(make_atlas(gl)), stream_(gl, kAttributes) {}
 
 TextDrawer::TextDrawer(TextDrawer&& other) noexcept
     : gl_(other.gl_),
       program_(std::move(other.program_)),
       atlas_(std::exchange(other.atlas_, 0)),
-      vertex_array_(std::exchange(other.vertex_array_, 0)),
-      vertices_(std::exchange(other.vertices_, 0)) {}
+      stream_(std::move(other.stream_)) {}
 
 TextDrawer::~TextDrawer() {
-  if (atlas_ == 0) return;
-  gl_->DeleteTextures(1, &atlas_);
-  gl_->DeleteVertexArrays(1, &vertex_array_);
-  gl_->DeleteBuffers(1, &vertices_);
+  if (atlas_ != 0) gl_->DeleteTextures(1, &atlas_);
 }
 
 void TextDrawer::draw(glm::ivec2 picture_px, std::span<const TextPanel> panels, std::span<const TextLine> lines,
@@ -121,12 +105,7 @@ void TextDrawer::draw(glm::ivec2 picture_px, std::span<const TextPanel> panels, 
   gl_->Uniform1i(program_.uniform("atlas"), 0);
   gl_->ActiveTexture(GL_TEXTURE0);
   gl_->BindTexture(GL_TEXTURE_2D, atlas_);
-  gl_->BindVertexArray(vertex_array_);
-  gl_->BindBuffer(GL_ARRAY_BUFFER, vertices_);
-  gl_->BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data(),
-                  GL_STREAM_DRAW);
-  gl_->DrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices.size()));
-  gl_->BindVertexArray(0);
+  stream_.draw(GL_TRIANGLES, std::span<const Vertex>(vertices));
   gl_->Disable(GL_BLEND);
 }
 

@@ -9,6 +9,7 @@
 #include "codec/error.h"
 #include "render/gl_functions.h"
 #include "render/shader_program.h"
+#include "render/vertex_stream.h"
 
 namespace tintree::render {
 
@@ -50,8 +51,7 @@ class TextDrawer {
   const GlFunctions* gl_;
   ShaderProgram program_;
   GLuint atlas_ = 0;
-  GLuint vertex_array_ = 0;
-  GLuint vertices_ = 0;
+  VertexStream stream_;
 };
 
 }  // namespace tintree::render

@@ -47,7 +47,7 @@ void TreeHorizon::pass_unseen(const cache::TileNode& node) {
 
 void TreeHorizon::pass_missing(const cache::TileNode& node, int quadrant) {
   if (!horizon_.usable() || !is_hole(node, quadrant)) return;
-  const codec::TileId id = node.id.child(quadrant);
+  const codec::TileId id = bounds_->layout().child(node.id, quadrant);
   const codec::CellRect cells = bounds_->layout().cells(id);
   if (holds_eye(cells)) horizon_.place_eye(false);
   cache::Box box = bounds_->box({.id = id});
@@ -80,7 +80,9 @@ bool TreeHorizon::holds_eye(const codec::CellRect& c) const {
 }
 
 bool TreeHorizon::is_hole(const cache::TileNode& node, int quadrant) const {
-  return (node.child_mask >> quadrant & 1) == 0 && !bounds_->layout().cells(node.id.child(quadrant)).empty();
+  const codec::TreeLayout& layout = bounds_->layout();
+  return quadrant < layout.child_count(node.id.level) && (node.child_mask >> quadrant & 1) == 0 &&
+         !layout.cells(layout.child(node.id, quadrant)).empty();
 }
 
 }  // namespace tintree::render

@@ -7,10 +7,13 @@
 namespace tintree::simplify {
 namespace {
 
-// Largest errors of a star, in bounds (docs/performance.md, What was tried).
-constexpr double kRelaxed = 1.25;  ///< Collapses further beyond the bound are not tried.
-constexpr double kEnough = 0.875;  ///< Neighbours are not moved to fit better than this.
-constexpr double kShareStep = 1.0 / 16;
+// Largest errors of a star (docs/performance.md, What was tried).
+constexpr int kShareParts = 16;           ///< Shares of the bound are counted in these.
+constexpr int kWhole = kShareParts;       ///< What a star has to keep in the end.
+constexpr int kRelaxed = kWhole * 5 / 4;  ///< Collapses further beyond the bound are not tried.
+constexpr int kEnough = kWhole * 7 / 8;   ///< Neighbours are not moved to fit better than this.
+
+double as_double(int share) { return static_cast<double>(share) / kShareParts; }
 
 }  // namespace
 
@@ -21,23 +24,29 @@ void CollapseRepair::put(std::int32_t vertex, const LatticeVertex& place) {
 }
 
 /// Moves a hub `there` if its star then keeps a smaller share of the bound, as small as it gets.
-bool CollapseRepair::try_lower(LatticeVertex& place, const LatticeVertex& there, const Ring& ring, double& share,
-                               double enough) {
+bool CollapseRepair::try_lower(LatticeVertex& place, const LatticeVertex& there, const Ring& ring, int& share,
+                               int enough) {
   if (share <= enough || !fit_->unfolded(there, ring)) return false;
-  bool better = false;
-  while (share > enough) {
-    const HeightRange range = fit_->heights(there, ring, share - kShareStep);
-    if (range.empty()) break;
-    share -= kShareStep;
-    place = {there.x, there.y, range.lowest + (range.highest - range.lowest) / 2};
-    better = true;
+  const int before = share;
+  int least = enough;  // no less can be kept there, or need be
+  for (int next = share - 1; least < share;) {
+    const HeightRange range = fit_->heights(there, ring, as_double(next));
+    if (range.empty()) {
+      least = next + 1;
+      next = (least + share) / 2;
+    } else {
+      share = next;
+      place = {there.x, there.y, range.lowest + (range.highest - range.lowest) / 2};
+      least = std::max(least, share - static_cast<int>(range.spare * kShareParts));
+      next = least;
+    }
   }
-  return better;
+  return share < before;
 }
 
 /// Moves a hub, in height and to neighbouring lattice points, to lower the share of the bound that its star needs,
 /// known to be at most `share`.
-bool CollapseRepair::lower(LatticeVertex& place, const Ring& ring, double& share, double enough) {
+bool CollapseRepair::lower(LatticeVertex& place, const Ring& ring, int& share, int enough) {
   constexpr int kRounds = 3;
   constexpr std::array<std::array<int, 2>, 8> kDirections{
       {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
@@ -82,24 +91,24 @@ void CollapseRepair::gather(std::int32_t vertex) {
 
 bool CollapseRepair::search(const Ring& ring, LatticeVertex& merged) {
   const auto place_merged = [&] { mesh_->vertex(gone_) = mesh_->vertex(kept_) = merged; };
-  double share = kRelaxed;
-  lower(merged, ring, share, 1);
+  int share = kRelaxed;
+  lower(merged, ring, share, kWhole);
   place_merged();
-  if (share > 1) {
+  if (share > kWhole) {
     for (const std::int32_t neighbour : ring.spokes) {
       if (mesh_->kinds[static_cast<std::size_t>(neighbour)] != VertexKind::kFree) continue;
       gather(neighbour);
       LatticeVertex place = mesh_->vertex(neighbour);
-      double own = share;
+      int own = share;
       if (!lower(place, ring_, own, kEnough)) continue;
       put(neighbour, place);
       moved_.push_back(neighbour);
     }
     share = kRelaxed;
-    lower(merged, ring, share, 1);
+    lower(merged, ring, share, kWhole);
     place_merged();
   }
-  if (share > 1) return false;
+  if (share > kWhole) return false;
   return std::ranges::all_of(moved_, [this](std::int32_t neighbour) {
     gather(neighbour);
     return fit_->keeps(mesh_->vertex(neighbour), ring_);
@@ -115,7 +124,7 @@ bool CollapseRepair::run(HalfEdgeMesh& mesh, StarFit& fit, std::int32_t gone, st
   journal_.clear();
   moved_.clear();
   if (!fit.unfolded(merged, ring)) return false;
-  const HeightRange range = fit.heights(merged, ring, kRelaxed);
+  const HeightRange range = fit.heights(merged, ring, as_double(kRelaxed));
   if (range.empty()) return false;
   merged.z = range.lowest + (range.highest - range.lowest) / 2;
   put(gone, merged);

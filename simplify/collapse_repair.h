@@ -28,8 +28,8 @@ class CollapseRepair {
   };
 
   void put(std::int32_t vertex, const LatticeVertex& place);
-  bool lower(LatticeVertex& place, const Ring& ring, double& share, double enough);
-  bool try_lower(LatticeVertex& place, const LatticeVertex& there, const Ring& ring, double& share, double enough);
+  bool lower(LatticeVertex& place, const Ring& ring, int& share, int enough);
+  bool try_lower(LatticeVertex& place, const LatticeVertex& there, const Ring& ring, int& share, int enough);
   void gather(std::int32_t vertex);
   bool search(const Ring& ring, LatticeVertex& merged);
 

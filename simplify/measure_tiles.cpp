@@ -66,7 +66,7 @@ class Pass {
   const std::map<std::int64_t, MeasuredError>& results() const { return results_; }
 
  private:
-  static constexpr int kSplitLevel = 3;
+  static constexpr int kSplitHalvings = 3;
 
   struct Task {
     TileId root;
@@ -136,7 +136,7 @@ void Pass::visit(const TileId& id, const std::vector<Layer>& layers, Task& task,
     here.push_back(whole(*mesh, task.within[id.key()]));
   }
   if (id.level < layout.leaf_level) {
-    for (int q = 0; q < 4; ++q) visit(id.child(q), here, task, meter);
+    for (int i = 0; i < layout.child_count(id.level); ++i) visit(layout.child(id, i), here, task, meter);
     return;
   }
   meter.set_window(cells);
@@ -153,7 +153,7 @@ void Pass::run_task(Task& task) {
   std::vector<Layer> layers;
   TileId id = task.root;
   while (id.level > 0) {
-    id = id.parent();
+    id = manifest_->layout.parent(id);
     const auto mesh = shared_.find(id.key());
     if (mesh != shared_.end()) layers.push_back(whole(mesh->second, task.above[static_cast<std::size_t>(id.level)]));
   }
@@ -166,7 +166,7 @@ Expected<void> Pass::run() {
   if (!keys) return tl::unexpected(keys.error());
   keys_ = std::move(*keys);
   const int leaf_level = manifest_->layout.leaf_level;
-  const int split = std::min(kSplitLevel, leaf_level);
+  const int split = std::min(manifest_->layout.coarsest_level(kSplitHalvings), leaf_level);
   std::vector<Task> tasks;
   for (const std::int64_t key : keys_) {
     const TileId id = TileId::from_key(key);
@@ -187,7 +187,7 @@ Expected<void> Pass::run() {
     results_.merge(task.within);
     TileId id = task.root;
     while (id.level > 0) {
-      id = id.parent();
+      id = manifest_->layout.parent(id);
       if (shared_.contains(id.key())) results_[id.key()] += task.above[static_cast<std::size_t>(id.level)];
     }
   }

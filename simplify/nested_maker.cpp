@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <optional>
 #include <utility>
+#include <vector>
 
 #include "codec/nested_mesh.h"
 #include "codec/nested_tile.h"
@@ -23,9 +23,8 @@ constexpr int kSubBits = 1;
 /// Whether a corner of the mesh lies where there is no surface.
 bool has_gap(const RestrictedQuadtree& tree, SurfaceView& view, std::int64_t column0, std::int64_t row0) {
   bool found = false;
-  tree.for_each_triangle([&](const SplitPoint& a, const SplitPoint& b, const SplitPoint& c) {
-    for (const SplitPoint& p : {a, b, c}) found = found || std::isnan(quadtree_height_m(view, column0, row0, p));
-  });
+  tree.for_each_vertex(
+      [&](const SplitPoint& p) { found = found || std::isnan(quadtree_height_m(view, column0, row0, p)); });
   return found;
 }
 
@@ -83,21 +82,16 @@ RightTriangles NestedMaker::collect_points(std::int64_t column0, std::int64_t ro
   }
   constexpr int kLevels = codec::NestedTile::kMostLevels;
   const double half_sample_m = std::min(layout_.dx_m, layout_.dy_m) / 2;
-  bool stops_early = true;
-  std::optional<RestrictedQuadtree> coarser;
+  const std::vector<RestrictedQuadtree> trees =
+      RestrictedQuadtree::nested(view_, {cells, bound_m, heights}, kLevels, column0, row0);
+  const bool stops_early = !has_gap(trees.front(), view_, column0, row0);
   for (int level = 0; level < kLevels && !view_.interrupted(); ++level) {
     const double tolerance_m = std::ldexp(bound_m, kLevels - 1 - level);
-    RestrictedQuadtree tree(view_, {cells, tolerance_m, {heights.step_m}}, column0, row0);
-    if (coarser) tree.add(*coarser);
-    if (level == 0) stops_early = !has_gap(tree, view_, column0, row0);
     const double least_unit = level == kLevels - 1 || !stops_early ? 0 : tolerance_m / half_sample_m;
-    tree.for_each_triangle([&](const SplitPoint& a, const SplitPoint& b, const SplitPoint& c) {
-      for (const SplitPoint& p : {a, b, c}) {
-        const bool known = points.find(static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y)) >= 0;
-        if (!known && static_cast<double>(codec::split_unit(p)) >= least_unit) add(p, level);
-      }
+    trees[static_cast<std::size_t>(level)].for_each_vertex([&](const SplitPoint& p) {
+      const bool known = points.find(static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y)) >= 0;
+      if (!known && static_cast<double>(codec::split_unit(p)) >= least_unit) add(p, level);
     });
-    coarser = std::move(tree);
   }
   return points;
 }

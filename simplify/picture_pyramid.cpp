@@ -43,13 +43,17 @@ class Pyramid {
     const auto present = writer_->picture_keys(kind_);
     if (!present) return tl::unexpected(present.error());
     const std::unordered_set<std::int64_t> done_before(present->begin(), present->end());
-    total_ = tiles->size();
+    std::vector<TileId> with_picture;
+    for (const std::int64_t key : *tiles) {
+      const TileId id = TileId::from_key(key);
+      if (id == manifest_->layout.picture_tile(id)) with_picture.push_back(id);
+    }
+    total_ = with_picture.size();
     done_ = done_before.size();
     for (int level = manifest_->layout.leaf_level; level >= 0; --level) {
       std::vector<TileId> todo;
-      for (const std::int64_t key : *tiles) {
-        const TileId id = TileId::from_key(key);
-        if (id.level == level && !done_before.contains(key)) todo.push_back(id);
+      for (const TileId& id : with_picture) {
+        if (id.level == level && !done_before.contains(id.key())) todo.push_back(id);
       }
       if (auto made = make_level(todo); !made) return tl::unexpected(made.error());
     }
@@ -114,7 +118,8 @@ Expected<void> Pyramid::make_level(const std::vector<TileId>& todo) {
 
 MadePicture Pyramid::make(const TileId& id, PictureLayer& layer) {
   const auto begun = std::chrono::steady_clock::now();
-  auto values = id.level == manifest_->layout.leaf_level ? layer.make_leaf(id) : make_parent(id, layer);
+  const codec::TreeLayout& layout = manifest_->layout;
+  auto values = layout.is_leaf_square(id.level) ? layer.make_leaf(id) : make_parent(id, layer);
   MadePicture out{id, values ? layer.encode(*values) : tl::unexpected(values.error())};
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;
@@ -124,16 +129,16 @@ MadePicture Pyramid::make(const TileId& id, PictureLayer& layer) {
 Expected<NodeValues> Pyramid::make_parent(const TileId& id, const PictureLayer& layer) {
   const int reach = layer.filter().reach;
   const int side = 2 * across_ + 1 + 2 * reach;
+  const codec::TreeLayout& layout = manifest_->layout;
+  const int level = layout.coarsest_level(layout.halvings(id.level) + 1);
   NodeValues fine(side, side);
   std::vector<std::uint8_t> holders(fine.values.size());
   for (int ty = -1; ty <= 2; ++ty) {
     for (int tx = -1; tx <= 2; ++tx) {
       const std::int64_t x = 2 * std::int64_t{id.x} + tx;
       const std::int64_t y = 2 * std::int64_t{id.y} + ty;
-      if (x < 0 || y < 0 || x >= manifest_->layout.tiles_x(id.level + 1) ||
-          y >= manifest_->layout.tiles_y(id.level + 1))
-        continue;
-      const TileId child{id.level + 1, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)};
+      if (x < 0 || y < 0 || x >= layout.tiles_x(level) || y >= layout.tiles_y(level)) continue;
+      const TileId child{level, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)};
       const auto payload = read(child);
       if (!payload) return tl::unexpected(payload.error());
       if (!*payload) continue;

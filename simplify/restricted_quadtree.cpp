@@ -15,28 +15,35 @@ using codec::SplitPoint;
 
 RestrictedQuadtree::RestrictedQuadtree(SurfaceView& view, const LevelGrid& level, std::int64_t column0,
                                        std::int64_t row0)
+    : RestrictedQuadtree(view, level, find_splits(view, level, column0, row0), nullptr, column0, row0) {}
+
+RestrictedQuadtree::RestrictedQuadtree(SurfaceView& view, const LevelGrid& level, const codec::SplitFlags& flags,
+                                       const RestrictedQuadtree* finer, std::int64_t column0, std::int64_t row0)
     : cells_(level.cells), samples_(level.cells), middles_(level.cells) {
   const std::int64_t ring = kRingSquares * level.square();
-  find_splits(view, level, column0, row0).for_each([&](std::int64_t x, std::int64_t y) {
+  flags.for_each([&](std::int64_t x, std::int64_t y) {
     const SplitPoint p{x - ring, y - ring};
     if (p.x >= 0 && p.y >= 0 && p.x <= cells_ && p.y <= cells_) samples_.set(p.x, p.y);
   });
   const double bound_m =
       tested_bound_m(view.surface(), {column0, row0, column0 + cells_, row0 + cells_}, level.bound_m);
   split_cells(view, level, column0, row0, bound_m);
-  merge_squares(view, level, column0, row0, bound_m);
-  number();
-}
-
-void RestrictedQuadtree::add(const RestrictedQuadtree& coarser) {
-  coarser.samples_.for_each([this](std::int64_t x, std::int64_t y) { samples_.set(x, y); });
-  coarser.middles_.for_each([this](std::int64_t x, std::int64_t y) { middles_.set(x, y); });
-  number();
-}
-
-void RestrictedQuadtree::number() {
+  merge_squares(view, level, column0, row0, bound_m, finer);
   sample_count_ = samples_.number();
   middle_count_ = middles_.number();
+}
+
+std::vector<RestrictedQuadtree> RestrictedQuadtree::nested(SurfaceView& view, const LevelGrid& finest, int count,
+                                                           std::int64_t column0, std::int64_t row0) {
+  const std::vector<codec::SplitFlags> flags = find_nested_splits(view, finest, count, column0, row0);
+  std::vector<RestrictedQuadtree> trees;
+  LevelGrid level = finest;
+  for (auto f = flags.rbegin(); f != flags.rend(); ++f, level.bound_m *= 2) {
+    RestrictedQuadtree tree(view, level, *f, trees.empty() ? nullptr : &trees.back(), column0, row0);
+    trees.push_back(std::move(tree));
+  }
+  std::ranges::reverse(trees);
+  return trees;
 }
 
 /// Cells that the mesh cuts against the surface's diagonal and has both halves of. find_splits() leaves the other
@@ -56,9 +63,10 @@ void RestrictedQuadtree::split_cells(SurfaceView& view, const LevelGrid& level, 
   });
 }
 
-/// Takes away interior corners of the level's squares, small squares first, whose triangles need not be split.
+/// Takes away interior corners of the level's squares, small squares first, whose triangles need not be split: those
+/// that a finer mesh can do without, and those whose triangles fit.
 void RestrictedQuadtree::merge_squares(SurfaceView& view, const LevelGrid& level, std::int64_t column0,
-                                       std::int64_t row0, double bound_m) {
+                                       std::int64_t row0, double bound_m, const RestrictedQuadtree* finer) {
   SurfaceDistance distance(view, column0, row0);
   // In whole samples; a point's children may be middles of cells.
   const auto needed = [&](const SplitPoint& p) {
@@ -70,6 +78,7 @@ void RestrictedQuadtree::merge_squares(SurfaceView& view, const LevelGrid& level
     return Point{static_cast<double>(p.x), static_cast<double>(p.y), std::isnan(h) ? 0 : level.heights.snapped_m(h)};
   };
   const auto fits = [&](const SplitPoint& p) {
+    if (finer != nullptr && !finer->samples_.get(p.x, p.y)) return true;
     const SplitPoint apex = codec::split_parents(p)[0];
     const SplitPoint turn{apex.y - p.y, p.x - apex.x};
     const Point a = corner({p.x + turn.x, p.y + turn.y});

@@ -34,9 +34,10 @@ class RestrictedQuadtree {
   /// Cost: that of find_splits(), and as much again where the mesh is fine.
   RestrictedQuadtree(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0);
 
-  /// Adds another one's splits, of the same tile and lattice of heights. The result is within either one's bound:
-  /// whatever is not split has been tested, whether or not it was a triangle. So coarse meshes nest in finer ones.
-  void add(const RestrictedQuadtree& coarser);
+  /// Nested ones, the coarsest first, whose bounds are those of `finest` times 1, 2, 4, ...: the vertices of each are
+  /// among those of the next. Cost: little more than that of the finest alone.
+  static std::vector<RestrictedQuadtree> nested(SurfaceView& view, const LevelGrid& finest, int count,
+                                                std::int64_t column0, std::int64_t row0);
 
   std::int64_t cells() const { return cells_; }
 
@@ -54,6 +55,13 @@ class RestrictedQuadtree {
     return static_cast<std::size_t>(samples_.rank(p.x >> 1, p.y >> 1));
   }
 
+  /// Calls `visit(point)` for every vertex, those of holes included.
+  template <typename Visit>
+  void for_each_vertex(const Visit& visit) const {
+    samples_.for_each([&](std::int64_t x, std::int64_t y) { visit(codec::SplitPoint{2 * x, 2 * y}); });
+    middles_.for_each([&](std::int64_t x, std::int64_t y) { visit(codec::SplitPoint{2 * x + 1, 2 * y + 1}); });
+  }
+
   /// Calls `visit(a, b, c)` for every triangle, those of holes included: its longest side from a to b, its right
   /// angle at c, counter-clockwise seen from above.
   template <typename Visit>
@@ -69,6 +77,10 @@ class RestrictedQuadtree {
   codec::TileMesh mesh(const HeightLattice& lattice, const HeightAt& height_m) const;
 
  private:
+  /// From find_splits()' flags; `finer` may be null.
+  RestrictedQuadtree(SurfaceView& view, const LevelGrid& level, const codec::SplitFlags& flags,
+                     const RestrictedQuadtree* finer, std::int64_t column0, std::int64_t row0);
+
   template <typename Visit>
   void descend(const codec::SplitPoint& a, const codec::SplitPoint& b, const codec::SplitPoint& c,
                const Visit& visit) const {
@@ -78,9 +90,8 @@ class RestrictedQuadtree {
     descend(b, c, middle, visit);
   }
   void split_cells(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0, double bound_m);
-  void merge_squares(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0,
-                     double bound_m);
-  void number();
+  void merge_squares(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0, double bound_m,
+                     const RestrictedQuadtree* finer);
 
   std::int64_t cells_;
   codec::SplitFlags samples_;

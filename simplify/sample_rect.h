@@ -5,6 +5,9 @@
 
 namespace tintree::simplify {
 
+/// What a rectangle of samples may have at most along each side.
+inline constexpr int kMaxRectSamples = 32;
+
 /// A rectangle of samples inside one block: rows are cache::kBlockStride apart and at least 7 more floats are
 /// readable beyond each.
 struct SampleRect {

@@ -11,10 +11,38 @@
 namespace tintree::simplify {
 namespace {
 
-/// Points are classified by their coordinates in the window (codec::SplitPoint).
+/// The flags of nested meshes, coarsest first: what a mesh splits, the finer ones do too.
+class NestedFlags {
+ public:
+  NestedFlags(std::int64_t cells, int meshes) {
+    for (int i = 0; i < meshes; ++i) flags_.emplace_back(cells);
+  }
+
+  /// The coarsest mesh that splits at a point; their number where none does.
+  std::size_t first(std::int64_t x, std::int64_t y) const {
+    std::size_t mesh = flags_.size();
+    while (mesh > 0 && flags_[mesh - 1].get(x, y)) --mesh;
+    return mesh;
+  }
+  bool all(std::int64_t x, std::int64_t y) const { return flags_.front().get(x, y); }
+  /// Splits in this mesh and the finer ones; true when it had not been split there.
+  bool set(std::size_t mesh, std::int64_t x, std::int64_t y) {
+    std::size_t i = mesh;
+    while (i < flags_.size() && flags_[i].set(x, y)) ++i;
+    return i > mesh;
+  }
+  std::vector<codec::SplitFlags> take() { return std::move(flags_); }
+
+ private:
+  std::vector<codec::SplitFlags> flags_;
+};
+
+/// Searches for several nested meshes at once. A triangle that fits the bound of one fits those of all coarser ones: so
+/// the finest mesh's search is the whole search, and only what it splits is tested again, against the next bound,
+/// until it fits. Points are classified by their coordinates in the window (codec::SplitPoint).
 class SplitSearch {
  public:
-  SplitSearch(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0)
+  SplitSearch(SurfaceView& view, const LevelGrid& level, int meshes, std::int64_t column0, std::int64_t row0)
       : view_(&view),
         level_(level),
         square_(level.square()),
@@ -23,11 +51,12 @@ class SplitSearch {
         column0_(column0 - ring_),
         row0_(row0 - ring_),
         distance_(view, column0_, row0_),
-        flags_(span_) {}
+        flags_(span_, meshes),
+        bounds_m_(static_cast<std::size_t>(meshes)) {}
 
-  codec::SplitFlags run() {
+  std::vector<codec::SplitFlags> run() {
     for (std::int64_t y = 0; y <= span_; y += square_) {
-      for (std::int64_t x = 0; x <= span_; x += square_) flags_.set(x, y);
+      for (std::int64_t x = 0; x <= span_; x += square_) flags_.set(0, x, y);
     }
     const std::int64_t last = span_ - square_;
     for (std::int64_t y = square_; y < last; y += square_) {
@@ -43,7 +72,7 @@ class SplitSearch {
       const bool whole_row = y == 0 || y == last;
       for (std::int64_t x = 0; x <= last; x += whole_row ? square_ : last) search_outer(x, y);
     }
-    return std::move(flags_);
+    return flags_.take();
   }
 
  private:
@@ -68,17 +97,26 @@ class SplitSearch {
     return {static_cast<double>(x), static_cast<double>(y), std::isnan(h) ? 0 : level_.heights.snapped_m(h)};
   }
 
-  /// Sets the flag of a point and of all whose triangles have to be split before its own exist.
-  void force(std::int64_t x, std::int64_t y) {
-    if (x < 0 || y < 0 || x > span_ || y > span_ || !flags_.set(x, y)) return;
-    for (const codec::SplitPoint& p : codec::split_parents({x, y})) force(p.x, p.y);
+  /// The bounds of all meshes, tested over some cells.
+  void set_bounds(const codec::CellRect& cells) {
+    double bound_m = level_.bound_m;
+    for (auto b = bounds_m_.rbegin(); b != bounds_m_.rend(); ++b, bound_m *= 2)
+      *b = tested_bound_m(view_->surface(), cells, bound_m);
   }
 
-  /// Both halves of a unit cell become triangles of their own.
-  void force_cell(std::int64_t x, std::int64_t y) {
+  /// Sets the flag of a point and of all whose triangles have to be split before its own exist.
+  void force(std::size_t mesh, std::int64_t x, std::int64_t y) {
+    if (x < 0 || y < 0 || x > span_ || y > span_ || !flags_.set(mesh, x, y)) return;
+    for (const codec::SplitPoint& p : codec::split_parents({x, y})) force(mesh, p.x, p.y);
+  }
+
+  /// Both halves of a unit cell become triangles of their own where an error is beyond the bound.
+  void force_cell(std::int64_t x, std::int64_t y, double error) {
+    std::size_t mesh = bounds_m_.size();
+    while (mesh > 0 && error > bounds_m_[mesh - 1]) --mesh;
     const bool even = ((x + y) & 1) == 0;
-    force(even ? x + 1 : x, y);
-    force(even ? x : x + 1, y + 1);
+    force(mesh, even ? x + 1 : x, y);
+    force(mesh, even ? x : x + 1, y + 1);
   }
 
   /// The error of two parts together. Where one is missing and the other is not, its corners are not all there.
@@ -110,7 +148,7 @@ class SplitSearch {
 
   void search_square(std::int64_t x, std::int64_t y) {
     if (view_->interrupted() || !holds_cells(x, y)) return;
-    bound_m_ = tested_bound_m(view_->surface(), rect(x, y, square_, square_), level_.bound_m);
+    set_bounds(rect(x, y, square_, square_));
     search(x, y, square_);
   }
 
@@ -121,15 +159,19 @@ class SplitSearch {
     const std::int64_t half = square_ / 2;
     const std::int64_t cx = std::clamp(x, square_, span_ - 2 * square_) + half;
     const std::int64_t cy = std::clamp(y, square_, span_ - 2 * square_) + half;
-    const bool split = flags_.get(cx, cy) && flags_.get(cx - half, cy) && flags_.get(cx + half, cy) &&
-                       flags_.get(cx, cy - half) && flags_.get(cx, cy + half);
-    if (!split) search_square(x, y);
+    if (!split_all_round(cx, cy, half)) search_square(x, y);
+  }
+
+  /// Whether all meshes split a square at its centre (x, y) and in the middle of its sides.
+  bool split_all_round(std::int64_t x, std::int64_t y, std::int64_t half) const {
+    return flags_.all(x, y) && flags_.all(x, y - half) && flags_.all(x, y + half) && flags_.all(x - half, y) &&
+           flags_.all(x + half, y);
   }
 
   /// Tests all triangles inside a square, small ones first.
   Halves search(std::int64_t x0, std::int64_t y0, std::int64_t side) {
     const double slab = slab_error(x0, y0, side);
-    if (slab <= bound_m_) return {slab, slab};
+    if (slab <= bounds_m_.back()) return {slab, slab};
     if (side == kBase && load_square(x0, y0)) return search_loaded(x0, y0);
     if (side == 1) return {};
     const std::int64_t half = side / 2;
@@ -178,7 +220,8 @@ class SplitSearch {
         const double off =
             std::abs((snapped_[j][i + 1] + snapped_[j + 1][i]) / 2 - (samples_[j][i] + samples_[j + 1][i + 1]) / 2);
         halves_[j][i] = {std::max({nw, ne, sw, off}), std::max({ne, sw, se, off})};
-        if (off > bound_m_) force_cell(x0 + static_cast<std::int64_t>(i), y0 + static_cast<std::int64_t>(j));
+        if (off > bounds_m_.back())
+          force_cell(x0 + static_cast<std::int64_t>(i), y0 + static_cast<std::int64_t>(j), off);
       }
     }
     const auto loaded = [&](std::int64_t x, std::int64_t y) {
@@ -199,23 +242,24 @@ class SplitSearch {
   }
 
   /// The middle (x, y) of a triangle's longest side a-b, with what is known of the triangle's two halves: flags it
-  /// where the triangle does not fit. Returns a bound of the triangle's error.
+  /// in the meshes where the triangle does not fit. Returns a bound of the triangle's error for the others.
   double test(const Point& a, const Point& b, const Point& c, double middle_m, double halves_error, std::int64_t x,
               std::int64_t y) {
-    if (flags_.get(x, y)) return kUnknown;
+    std::size_t mesh = flags_.first(x, y);
+    if (mesh == 0) return kUnknown;
     if (halves_error == kNothing) return kNothing;
     const double error = halves_error + std::abs((a.z + b.z) / 2 - middle_m);
-    if (error <= bound_m_) return error;
-    switch (distance_.fit_triangle(a, b, c, bound_m_)) {
-      case SurfaceDistance::Fit::kWithin:
-        return bound_m_;
-      case SurfaceDistance::Fit::kMissing:
-        return kNothing;
-      case SurfaceDistance::Fit::kBeyond:
-        break;
+    for (; mesh > 0 && error > bounds_m_[mesh - 1]; --mesh) {
+      switch (distance_.fit_triangle(a, b, c, bounds_m_[mesh - 1])) {
+        case SurfaceDistance::Fit::kWithin:
+          return bounds_m_[mesh - 1];
+        case SurfaceDistance::Fit::kMissing:
+          return kNothing;
+        case SurfaceDistance::Fit::kBeyond:
+          force(mesh - 1, x, y);
+      }
     }
-    force(x, y);
-    return kUnknown;
+    return mesh == 0 ? kUnknown : error;
   }
 
   /// The triangles of one square: four over its sides, and its two halves. `parts` are its quarters, north-west,
@@ -226,11 +270,7 @@ class SplitSearch {
     const std::int64_t half = side / 2;
     const std::int64_t east = x + side;
     const std::int64_t south = y + side;
-    const bool open_centre = !flags_.get(x + half, y + half);
-    if (!open_centre && flags_.get(x + half, y) && flags_.get(x + half, south) && flags_.get(x, y + half) &&
-        flags_.get(east, y + half)) {
-      return {};
-    }
+    if (split_all_round(x + half, y + half, half)) return {};
     const auto& [nw_part, ne_part, sw_part, se_part] = parts;
     const Point nw = corner_at(x, y);
     const Point ne = corner_at(east, y);
@@ -260,7 +300,7 @@ class SplitSearch {
   void search_line(std::int64_t start, std::int64_t line, bool southward) {
     const std::int64_t n = square_;
     const codec::CellRect cells = southward ? rect(line, start, 0, n) : rect(start, line, n, 0);
-    const double bound = tested_bound_m(view_->surface(), cells, level_.bound_m) / 2;
+    set_bounds(cells);
     line_.resize(static_cast<std::size_t>(n) + 1);
     for (std::int64_t i = 0; i <= n; ++i) {
       line_[static_cast<std::size_t>(i)] =
@@ -269,11 +309,10 @@ class SplitSearch {
     for (std::int64_t side = 2; side <= n; side *= 2) {
       for (std::int64_t i = 0; i < n; i += side) {
         const std::int64_t middle = start + i + side / 2;
-        if (line_fits(i, side, bound)) continue;
-        if (southward)
-          force(line, middle);
-        else
-          force(middle, line);
+        const std::int64_t x = southward ? line : middle;
+        const std::int64_t y = southward ? middle : line;
+        for (std::size_t mesh = flags_.first(x, y); mesh > 0 && !line_fits(i, side, bounds_m_[mesh - 1] / 2); --mesh)
+          force(mesh - 1, x, y);
       }
     }
   }
@@ -300,8 +339,8 @@ class SplitSearch {
   std::int64_t column0_;
   std::int64_t row0_;
   SurfaceDistance distance_;
-  codec::SplitFlags flags_;
-  double bound_m_ = 0;  // of the square that is being searched
+  NestedFlags flags_;
+  std::vector<double> bounds_m_;  // of the square that is being searched, coarsest mesh first
   std::array<std::array<double, kLine>, kLine> samples_;
   std::array<std::array<double, kLine>, kLine> snapped_;
   std::array<std::array<Halves, kBase>, kBase> halves_;  // of the squares with this north-west corner
@@ -311,7 +350,12 @@ class SplitSearch {
 }  // namespace
 
 codec::SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0) {
-  return SplitSearch(view, level, column0, row0).run();
+  return std::move(SplitSearch(view, level, 1, column0, row0).run().front());
+}
+
+std::vector<codec::SplitFlags> find_nested_splits(SurfaceView& view, const LevelGrid& finest, int meshes,
+                                                  std::int64_t column0, std::int64_t row0) {
+  return SplitSearch(view, finest, meshes, column0, row0).run();
 }
 
 }  // namespace tintree::simplify

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "simplify/level_grid.h"
 #include "simplify/reference_surface.h"
@@ -24,5 +25,10 @@ inline constexpr std::int64_t kRingSquares = 2;
 /// interrupted. Cost: 10 ns a sample where the surface is rough at this bound, next to nothing where its residual
 /// pyramid shows that it is flat.
 codec::SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0);
+
+/// The same for nested meshes, coarsest first, whose bounds are those of `finest` times 1, 2, 4, ...: what a mesh
+/// splits, the finer ones do too. Cost: little more than that of the finest mesh alone.
+std::vector<codec::SplitFlags> find_nested_splits(SurfaceView& view, const LevelGrid& finest, int meshes,
+                                                  std::int64_t column0, std::int64_t row0);
 
 }  // namespace tintree::simplify

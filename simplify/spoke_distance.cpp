@@ -25,8 +25,8 @@ struct Spoke {
 /// v + k dv between the samples of its line.
 struct Crossings {
   const float* origin;  ///< The sample at place 0 of the first line.
-  std::ptrdiff_t along;
-  std::ptrdiff_t across;
+  int along;
+  int across;
   int count;
   double v, dv;
   double t, dt;
@@ -39,21 +39,28 @@ struct Crossings {
   }
 };
 
+/// Crossings that are tested at a time.
+constexpr int kLanes = 4;
+
 /// Whether any crossing narrows the interval. `z` and `dz` are the edge's height, relative to the samples' base, and
 /// its rise over all of t. All samples exist.
 __attribute__((target_clones("avx2", "default"))) bool narrows(const Crossings& c, double z, double dz, double bound_m,
                                                                double lo, double hi) {
   int found = 0;
-  for (int k = 0; k < c.count; ++k) {
-    const double v = c.v + k * c.dv;
-    const double t = c.t + k * c.dt;
-    const int cell = c.cell(k);
-    const float* near = c.origin + (cell * c.along + k * c.across);
-    const double from = near[0];
-    const double to = near[c.along];
-    const double residual = from + (v - cell) * (to - from) - (z + t * dz);
-    const double weight = 1 - t;
-    found |= static_cast<int>(residual - bound_m > lo * weight) | static_cast<int>(residual + bound_m < hi * weight);
+  for (int first = 0; first < c.count; first += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      // The last one again and again, so that all lanes have something to do.
+      const int k = std::min(first + lane, c.count - 1);
+      const double v = c.v + k * c.dv;
+      const double t = c.t + k * c.dt;
+      const int cell = c.cell(k);
+      const int near = cell * c.along + k * c.across;
+      const double from = c.origin[near];
+      const double to = c.origin[near + c.along];
+      const double residual = from + (v - cell) * (to - from) - (z + t * dz);
+      const double weight = 1 - t;
+      found |= static_cast<int>(residual - bound_m > lo * weight) | static_cast<int>(residual + bound_m < hi * weight);
+    }
   }
   return found != 0;
 }
@@ -96,7 +103,7 @@ void clip_in_block(const SampleRun& run, std::int64_t x0, std::int64_t y0, const
   const double z = s.hub.z - run.base_m;
   const auto west = static_cast<double>(x0);
   const auto north = static_cast<double>(y0);
-  constexpr std::ptrdiff_t kRow = cache::kBlockStride;
+  constexpr int kRow = cache::kBlockStride;
   const auto columns_room = static_cast<int>(run.columns);
   const auto rows_room = static_cast<int>(run.rows);
   const auto clip = [&](const Lines& lines, double start, double step, double v0, double dv, Crossings c) {

@@ -47,10 +47,16 @@ HeightRange StarFit::heights(const LatticeVertex& hub, const Ring& ring, double 
   HeightInterval interval{-reach, reach};
   clip(place, on_line, ring, share, interval);
   if (interval.empty()) return {};
+  const double low = (place.z + interval.lo) / spec_.heights.step_m;
+  const double high = (place.z + interval.hi) / spec_.heights.step_m;
+  // A lower bound takes as much or more off both ends of the interval.
+  const double middle = std::round((low + high) / 2);
+  const double least_bound = spec_.line == CollapseSpec::Line::kAbsent ? spec_.bound_m : spec_.line_bound_m;
+  const double spare = std::min(middle - low, high - middle) * spec_.heights.step_m / least_bound;
   // Rounded inward: what is stored is what was tested.
   const auto origin = static_cast<double>(spec_.heights.origin);
-  return {static_cast<std::int32_t>(std::ceil((place.z + interval.lo) / spec_.heights.step_m) - origin),
-          static_cast<std::int32_t>(std::floor((place.z + interval.hi) / spec_.heights.step_m) - origin)};
+  return {static_cast<std::int32_t>(std::ceil(low) - origin), static_cast<std::int32_t>(std::floor(high) - origin),
+          spare};
 }
 
 bool StarFit::keeps(const LatticeVertex& hub, const Ring& ring) {

@@ -28,6 +28,8 @@ struct Ring {
 struct HeightRange {
   std::int32_t lowest = 0;
   std::int32_t highest = -1;
+  /// A share of the bounds that is smaller by more than this leaves no height.
+  double spare = 0;
 
   bool empty() const { return lowest > highest; }
 };

@@ -12,7 +12,7 @@ namespace {
 void append_tiles(const codec::TreeLayout& layout, const TileId& id, std::vector<TileId>& out) {
   if (layout.cells(id).empty()) return;
   if (id.level < layout.leaf_level) {
-    for (int q = 0; q < 4; ++q) append_tiles(layout, id.child(q), out);
+    for (int i = 0; i < layout.child_count(id.level); ++i) append_tiles(layout, layout.child(id, i), out);
   }
   out.push_back(id);
 }

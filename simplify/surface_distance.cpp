@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "simplify/patch_sizes.h"
 #include "simplify/sample_rect.h"
@@ -16,7 +17,7 @@ namespace {
 constexpr double kMinWeight = 1e-6;
 /// Smaller triangles (in cells) have no sample off the outer edge whose weight is that low, or is rounded to it.
 constexpr double kAreaOfLightSamples = 0.1 / (kMinWeight * kCornerParts * kCornerParts);
-static_assert(kLargeCells < TrianglePlane::kMaxRectSamples && kPatchCells[0] < TrianglePlane::kMaxRectSamples);
+static_assert(kLargeCells < kMaxRectSamples && kPatchCells[0] < kMaxRectSamples);
 
 }  // namespace
 
@@ -72,10 +73,6 @@ bool patch_settles(const PlanePatch& patch, double x0, double y0, const Extent& 
   return lowest - static_cast<double>(patch.high) >= -bound_m && highest - static_cast<double>(patch.low) <= bound_m;
 }
 
-Extent overlap(const Extent& a, const Extent& b) {
-  return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
-}
-
 Extent square_extent(std::int64_t x, std::int64_t y, int cells) {
   const auto x0 = static_cast<double>(x);
   const auto y0 = static_cast<double>(y);
@@ -93,6 +90,7 @@ std::int64_t square_start(double low, std::int64_t origin, int cells) {
 template <typename Visit>
 bool SurfaceDistance::for_each_rect(std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1,
                                     const Visit& visit) {
+  if (x1 < x0) return true;
   for (std::int64_t y = y0; y <= y1;) {
     std::int64_t rows = 0;
     for (std::int64_t x = x0; x <= x1;) {
@@ -141,9 +139,9 @@ void SurfaceDistance::clip_squares(int size, double bound_m, HeightInterval& int
       };
       test(s.patch->low_x, s.patch->low_y, s.patch->low);
       test(s.patch->high_x, s.patch->high_y, s.patch->high);
+      if (interval.empty()) return blame(s.plane);
     }
   }
-  if (interval.empty()) return;
   for (const Square& s : squares) {
     const TrianglePlane& plane = planes_[s.plane];
     const Extent part = overlap(plane.extent, square_extent(s.x0, s.y0, cells));
@@ -172,36 +170,55 @@ void SurfaceDistance::clip_samples(const TrianglePlane& plane, const Extent& ext
   interval.hi = std::min(interval.hi, static_cast<double>(hi));
 }
 
+/// Moves a side to the front.
+void SurfaceDistance::blame(std::uint32_t plane) {
+  const auto at = order_.begin() + static_cast<std::ptrdiff_t>(plane);
+  std::rotate(order_.begin(), at, at + 1);
+}
+
+/// What the squares have left open, sample by sample.
+void SurfaceDistance::clip_open(double bound_m, HeightInterval& interval) {
+  for (const Square& s : open_) {
+    const TrianglePlane& plane = planes_[s.plane];
+    Extent part = overlap(plane.extent, square_extent(s.x0, s.y0, kPatchCells[0]));
+    if (patch_settles(*s.patch, static_cast<double>(s.x0), static_cast<double>(s.y0), part, plane, bound_m, interval))
+      continue;
+    // Samples on a common side are left to the next square where the triangle goes on.
+    if (part.x1 < plane.extent.x1) part.x1 -= 1;
+    if (part.y1 < plane.extent.y1) part.y1 -= 1;
+    clip_samples(plane, part, bound_m, interval);
+    if (interval.empty()) return blame(s.plane);
+  }
+}
+
 void SurfaceDistance::clip_star(const Star& star, HeightInterval& interval) {
   planes_.clear();
   open_.clear();
   for (auto& list : squares_) list.clear();
-  for (const Star::Side& side : star.sides) planes_.emplace_back(star.hub, side.from, side.to);
-  for (std::size_t k = 0; k < planes_.size(); ++k) {
-    const Extent extent = planes_[k].extent;
-    const double length = std::max(extent.x1 - extent.x0, extent.y1 - extent.y0);
+  if (order_.size() != star.sides.size()) {
+    order_.resize(star.sides.size());
+    std::iota(order_.begin(), order_.end(), 0U);
+  }
+  for (std::uint32_t k = 0; k < order_.size(); ++k) {
+    const Star::Side& side = star.sides[order_[k]];
+    const TrianglePlane& plane = planes_.emplace_back(star.hub, side.from, side.to);
+    const double length = std::max(plane.extent.x1 - plane.extent.x0, plane.extent.y1 - plane.extent.y0);
     if (length < kLargeCells) {
-      clip_samples(planes_[k], extent, star.bound_m, interval);
-      if (interval.empty()) return;
+      clip_samples(plane, plane.extent, star.bound_m, interval);
+      if (interval.empty()) return blame(k);
     } else {
-      add_squares(patch_size_for(length), static_cast<std::uint32_t>(k), extent);
+      add_squares(patch_size_for(length), k, plane.extent);
     }
   }
-  for (int size = 2; size >= 0 && !interval.empty(); --size) clip_squares(size, star.bound_m, interval);
+  for (int size = 2; size >= 0; --size) {
+    clip_squares(size, star.bound_m, interval);
+    if (interval.empty()) return;
+  }
   for (const Star::Spoke& spoke : star.spokes) {
-    if (interval.empty()) return;
     clip_spoke(window_, star.hub, spoke.end, spoke.bound_m, interval);
-  }
-  for (const Square& s : open_) {
     if (interval.empty()) return;
-    const TrianglePlane& plane = planes_[s.plane];
-    const Extent part = overlap(plane.extent, square_extent(s.x0, s.y0, kPatchCells[0]));
-    if (patch_settles(*s.patch, static_cast<double>(s.x0), static_cast<double>(s.y0), part, plane, star.bound_m,
-                      interval)) {
-      continue;
-    }
-    clip_samples(plane, part, star.bound_m, interval);
   }
+  clip_open(star.bound_m, interval);
 }
 
 /// Whether all samples of a part of the triangle lie within the bound of its plane.
@@ -231,15 +248,18 @@ bool SurfaceDistance::within(int size, const TrianglePlane& plane, const Extent&
   return true;
 }
 
+/// Whether any sample lies in a part of the triangle that reaches nowhere beyond the DEM.
 bool SurfaceDistance::any_sample(int size, const TrianglePlane& plane, const Extent& extent) {
   const int cells = kPatchCells[static_cast<std::size_t>(size)];
-  for (std::int64_t y = square_start(extent.y0, window_.row0(), cells); static_cast<double>(y) <= extent.y1;
-       y += cells) {
-    for (std::int64_t x = square_start(extent.x0, window_.column0(), cells); static_cast<double>(x) <= extent.x1;
-         x += cells) {
+  // The last column and row belong to the squares before them.
+  const double last_x = window_.extent().x1 - 1;
+  const double last_y = window_.extent().y1 - 1;
+  const std::int64_t x0 = square_start(std::min(extent.x0, last_x), window_.column0(), cells);
+  const std::int64_t y0 = square_start(std::min(extent.y0, last_y), window_.row0(), cells);
+  for (std::int64_t y = y0; static_cast<double>(y) <= std::min(extent.y1, last_y); y += cells) {
+    for (std::int64_t x = x0; static_cast<double>(x) <= std::min(extent.x1, last_x); x += cells) {
       const Extent square = square_extent(x, y, cells);
-      const PlanePatch* patch = window_.patch_at(size, x, y);
-      if (plane.misses(square) || (patch != nullptr && patch->empty())) continue;
+      if (plane.misses(square) || window_.patch_at(size, x, y)->empty()) continue;
       const Extent part = overlap(extent, square);
       if (size > 0) {
         if (any_sample(size - 1, plane, part)) return true;
@@ -261,7 +281,7 @@ SurfaceDistance::Fit SurfaceDistance::fit_triangle(const Point& a, const Point& 
   const Extent extent = plane.extent;
   const double length = std::max(extent.x1 - extent.x0, extent.y1 - extent.y0);
   const int size = length < kLargeCells ? -1 : patch_size_for(length);
-  bool fits = window_.holds(extent.x0, extent.y0, extent.x1, extent.y1) && within(size, plane, extent, bound_m);
+  bool fits = window_.extent().holds(extent) && within(size, plane, extent, bound_m);
   // Edges against the grid's diagonal cross it in the middle of each cell.
   for (std::size_t k = 0; k < 3 && fits; ++k) {
     const Point& p = plane.corner[k];
@@ -281,7 +301,8 @@ SurfaceDistance::Fit SurfaceDistance::fit_triangle(const Point& a, const Point& 
     if (!std::isnan(window_.sample(static_cast<std::int64_t>(p.x), static_cast<std::int64_t>(p.y))))
       return Fit::kBeyond;
   }
-  return any_sample(std::max(size, 0), plane, extent) ? Fit::kBeyond : Fit::kMissing;
+  const Extent in_dem = overlap(extent, window_.extent());
+  return !in_dem.empty() && any_sample(std::max(size, 0), plane, in_dem) ? Fit::kBeyond : Fit::kMissing;
 }
 
 }  // namespace tintree::simplify

@@ -39,7 +39,9 @@ struct Star {
 /// Samples are tested in float against a bound that the caller has lowered by guard_m(), which covers
 /// the rounding. Large triangles are decided square by square from the residual pyramid where that is
 /// possible: first the extreme samples of all squares, which mostly narrow the interval to its final size or to
-/// nothing, then what they leave open. Cost: about 0.3 ns a sample, 5 ns a crossing. Not thread-safe.
+/// nothing, then what they leave open. Stars that are tested one after the other are often of nearly the same ring:
+/// sides that have emptied an interval come first in the next. Cost: about 0.3 ns a sample, 5 ns a crossing. Not
+/// thread-safe.
 class SurfaceDistance {
  public:
   /// Points are given relative to sample (column0, row0), on multiples of 1 / kCornerParts samples.
@@ -76,12 +78,15 @@ class SurfaceDistance {
   bool for_each_rect(std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1, const Visit& visit);
   void add_squares(int size, std::uint32_t plane, const Extent& extent);
   void clip_squares(int size, double bound_m, HeightInterval& interval);
+  void clip_open(double bound_m, HeightInterval& interval);
   void clip_samples(const TrianglePlane& plane, const Extent& extent, double bound_m, HeightInterval& interval);
   bool within(int size, const TrianglePlane& plane, const Extent& extent, double bound_m);
   bool any_sample(int size, const TrianglePlane& plane, const Extent& extent);
+  void blame(std::uint32_t plane);
 
   SurfaceWindow window_;
-  std::vector<TrianglePlane> planes_;
+  std::vector<std::uint32_t> order_;            // of a star's sides
+  std::vector<TrianglePlane> planes_;           // of the sides in that order
   std::array<std::vector<Square>, 3> squares_;  // by size
   std::vector<Square> open_;
 };

@@ -29,12 +29,10 @@ const PlanePatch* SurfaceWindow::patch_at(int size, std::int64_t x, std::int64_t
               .at(size, static_cast<int>(column & 255), static_cast<int>(row & 255));
 }
 
-bool SurfaceWindow::holds(double x0, double y0, double x1, double y1) const {
+Extent SurfaceWindow::extent() const {
   const cache::HeightBlocks& blocks = view_->surface().blocks();
-  const auto column = static_cast<double>(column0_);
-  const auto row = static_cast<double>(row0_);
-  return x0 + column >= 0 && y0 + row >= 0 && x1 + column <= static_cast<double>(blocks.columns() - 1) &&
-         y1 + row <= static_cast<double>(blocks.rows() - 1);
+  return {static_cast<double>(-column0_), static_cast<double>(-row0_),
+          static_cast<double>(blocks.columns() - 1 - column0_), static_cast<double>(blocks.rows() - 1 - row0_)};
 }
 
 double SurfaceWindow::height_at(double x, double y) const {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "simplify/extent.h"
 #include "simplify/reference_surface.h"
 
 namespace tintree::simplify {
@@ -35,8 +36,8 @@ class SurfaceWindow {
   SampleRun run_at(std::int64_t x, std::int64_t y) const;
   /// The residual pyramid's square of size index `size` that holds cell (x, y); null outside the DEM.
   const PlanePatch* patch_at(int size, std::int64_t x, std::int64_t y) const;
-  /// Whether all of a rectangle of samples lies in the DEM.
-  bool holds(double x0, double y0, double x1, double y1) const;
+  /// The DEM.
+  Extent extent() const;
 
  private:
   SurfaceView* view_;

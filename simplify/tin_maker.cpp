@@ -87,7 +87,7 @@ Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
   spec.sub_bits = sub_bits;
   spec.coarse_bits = coarsest_lattice(mesh_);
   spec.effort = effort_;
-  const double scale = static_cast<double>(cells) / layout_.tile_cells;
+  const double scale = level.bound_m / layout_.leaf_error_m;
   spec.area_unit = scale * scale;
   SurfaceDistance distance(view_, column0, row0);
   collapse_.run(mesh_, distance, spec);

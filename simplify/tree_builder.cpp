@@ -46,6 +46,12 @@ double largest_relief(const ReferenceSurface& surface, const codec::TreeLayout& 
 
 /// Fails where not even floating-point numbers hold what has to be computed.
 Expected<void> check_scale(const codec::TreeLayout& layout, double farthest_m) {
+  if (layout.leaf_level > codec::kMaxLevel) {
+    return fail(ErrorCode::kBadData,
+                fmt::format("would be a tree of {} levels, more than {}; choose a larger --tile, or "
+                            "--levels-per-doubling 1",
+                            layout.leaf_level + 1, codec::kMaxLevel + 1));
+  }
   if (layout.cells_across(0) > kMostCells) {
     return fail(ErrorCode::kBadData,
                 fmt::format("has more than {} samples along a side; build it in parts", kMostCells));
@@ -65,7 +71,7 @@ Expected<void> check_scale(const codec::TreeLayout& layout, double farthest_m) {
   if (layout.bound_m(0) > kMostError) {
     return fail(ErrorCode::kUsage,
                 fmt::format("an error of {:.3g} m is too large to compute with; choose --error {:.3g} or less",
-                            layout.leaf_error_m, 0.9 * std::ldexp(kMostError, -layout.leaf_level)));
+                            layout.leaf_error_m, 0.9 * kMostError / layout.bound_m(0) * layout.leaf_error_m));
   }
   return {};
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "simplify/extent.h"
 #include "simplify/sample_rect.h"
 
 namespace tintree::simplify {
@@ -20,11 +21,6 @@ struct Point {
 inline constexpr double kOnGridLine = 1e-9;
 /// Corners lie on multiples of 1 / kCornerParts samples.
 inline constexpr int kCornerParts = 4;
-
-/// An axis-parallel rectangle in samples, sides included.
-struct Extent {
-  double x0, y0, x1, y1;
-};
 
 /// A triangle's height and the hub's weight in it as linear functions, and its sides as half-planes.
 struct TrianglePlane {
@@ -84,8 +80,6 @@ struct TrianglePlane {
     return out;
   }
 
-  static constexpr int kMaxRectSamples = 32;
-
  private:
   static constexpr double kFarSide = 1 << 30;
   static constexpr double kMostSteep = 1 << 24;
@@ -93,11 +87,16 @@ struct TrianglePlane {
   /// A side over a rectangle. Exact up to 2^20 samples of length; of longer ones, whose areas do not fit, a margin less
   /// than 2^-16 samples wide counts as inside.
   static Linear<std::int32_t> over(const Side& side, double px, double py) {
-    const double unit = std::max((std::abs(side.x) + std::abs(side.y)) / kMostSteep, 1.0);
+    const double steepness = std::abs(side.x) + std::abs(side.y);
+    if (steepness <= kMostSteep) {
+      return {static_cast<std::int32_t>(std::clamp(side.at(px, py), -kFarSide, kFarSide)),
+              static_cast<std::int32_t>(side.x), static_cast<std::int32_t>(side.y)};
+    }
+    const double unit = steepness / kMostSteep;
     // What rounding down may take from a sample's value.
-    const double margin = unit > 1 ? 2 * kMaxRectSamples : 0;
+    constexpr double kMargin = 2 * kMaxRectSamples;
     // So far inside or outside, no sample of the rectangle lies on the other side.
-    const double start = std::clamp(std::ceil(side.at(px, py) / unit) + margin, -kFarSide, kFarSide);
+    const double start = std::clamp(std::ceil(side.at(px, py) / unit) + kMargin, -kFarSide, kFarSide);
     return {static_cast<std::int32_t>(start), static_cast<std::int32_t>(std::floor(side.x / unit)),
             static_cast<std::int32_t>(std::floor(side.y / unit))};
   }

@@ -93,7 +93,7 @@ codec::Patch WaveletMaker::target(const codec::TileId& id) {
 Expected<codec::EncodedPatch> WaveletMaker::encode_patch(const codec::TileId& id) {
   std::shared_ptr<const codec::Patch> parent;
   if (id.level > 0) {
-    auto above = reconstruction(id.parent());
+    auto above = reconstruction(layout_.parent(id));
     if (!above) return tl::unexpected(above.error());
     parent = std::move(*above);
   }

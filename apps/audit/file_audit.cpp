@@ -46,7 +46,8 @@ class FileExamination {
     const auto nodes = store_.bounds().nodes();
     for (const cache::TileNode& node : nodes) {
       if (node.id.level == 0) continue;
-      const cache::TileNode& parent = nodes[static_cast<std::size_t>(store_.bounds().find(node.id.parent()))];
+      const codec::TileId above = store_.manifest().layout.parent(node.id);
+      const cache::TileNode& parent = nodes[static_cast<std::size_t>(store_.bounds().find(above))];
       if (node.z_min_m >= parent.z_min_m && node.z_max_m <= parent.z_max_m) continue;
       blame(node.id, ViolationKind::kHierarchy,
             fmt::format("its box of {:.9g} to {:.9g} m reaches out of that of its parent, {:.9g} to {:.9g} m",

@@ -38,9 +38,13 @@ class Painter {
     painter->target_.emplace(std::move(*target));
     render::SceneOptions scene_options;
     scene_options.cut.pixel_error = options.pixel_error;
-    auto scene = render::TerrainScene::create(painter->gl_, store, scene_options);
-    if (!scene) return tl::unexpected(scene.error());
-    painter->scene_ = std::move(*scene);
+    scene_options.impostors = options.impostors;
+    for (auto* made : {&painter->scene_, &painter->bare_}) {
+      auto scene = render::TerrainScene::create(painter->gl_, store, scene_options);
+      if (!scene) return tl::unexpected(scene.error());
+      *made = std::move(*scene);
+      if (!options.impostors) break;
+    }
     return painter;
   }
 
@@ -48,15 +52,13 @@ class Painter {
 
   /// Fills `picture` and what was drawn.
   Expected<DrawnView> draw(const render::Camera& camera, app::RgbImage& picture, render::DrawStats& stats) {
-    auto cut = scene_->settle(camera);
+    DrawnView view{camera, {}, {}, {}};
+    auto cut = draw(bare_ ? *bare_ : *scene_, camera, false, stats);
     if (!cut) return tl::unexpected(cut.error());
-    if (const auto errors = scene_->take_errors(); !errors.empty()) return tl::unexpected(errors.front());
-    render::Style style;
-    style.skirts = false;
-    stats = scene_->draw(*target_, camera, *cut, style);
-    DrawnView view{camera, std::move(*cut), {}, {}};
-    view.bare_depths_m = read_depths(view.cut);
-    scene_->draw(*target_, camera, view.cut, {});
+    view.bare_depths_m = read_depths(*cut);
+    cut = draw(*scene_, camera, true, stats);
+    if (!cut) return tl::unexpected(cut.error());
+    view.cut = std::move(*cut);
     view.depths_m = read_depths(view.cut);
     picture = app::RgbImage(camera.width_px, camera.height_px);
     picture.rgb = target_->read_picture().rgb;
@@ -65,6 +67,17 @@ class Painter {
 
  private:
   Painter() = default;
+
+  Expected<render::LodCut> draw(render::TerrainScene& scene, const render::Camera& camera, bool skirts,
+                                render::DrawStats& stats) {
+    auto cut = scene.settle(camera);
+    if (!cut) return cut;
+    if (auto errors = scene.take_errors(); !errors.empty()) return tl::unexpected(std::move(errors.front()));
+    render::Style style;
+    style.skirts = skirts;
+    stats = scene.draw(*target_, camera, *cut, style);
+    return cut;
+  }
 
   std::vector<double> read_depths(const render::LodCut& cut) const {
     const double near_m = scene_->renderer().near_m(cut);
@@ -80,6 +93,7 @@ class Painter {
   render::GlFunctions gl_;
   std::optional<render::OffscreenTarget> target_;
   std::unique_ptr<render::TerrainScene> scene_;
+  std::unique_ptr<render::TerrainScene> bare_;  ///< For pictures without skirts, whose impostors lack them, too.
 };
 
 /// What is wrong with a view, in words; empty when nothing is.
@@ -135,11 +149,14 @@ Expected<ImageReport> audit_views(const AuditContext& context, const ImageOption
   report.width_px = options.width_px;
   report.height_px = options.height_px;
   report.pixel_error = options.pixel_error;
+  int to_come = 1;  // Before the next view that is compared.
   for (const Viewpoint& view : choose(rays->highest_m())) {
     app::RgbImage picture;
     render::DrawStats stats;
     const auto drawn = (*painter)->draw(view.camera, picture, stats);
     if (!drawn) return tl::unexpected(drawn.error());
+    if (--to_come > 0) continue;
+    to_come = options.compared_every;
     auto compared = compare_view(context, *rays, *drawn, options.pixel_error);
     if (!compared) return tl::unexpected(compared.error());
     compared->name = view.name;
@@ -147,6 +164,7 @@ Expected<ImageReport> audit_views(const AuditContext& context, const ImageOption
     compared->target_m = {view.camera.target.x, view.camera.target.y, view.camera.target.z};
     compared->tiles = stats.tiles;
     compared->triangles = stats.triangles;
+    compared->impostor_tiles = stats.impostor_tiles;
     compared->picture = std::move(picture);
     judge(*compared, violations);
     report.views.push_back(std::move(*compared));

@@ -14,6 +14,9 @@ struct ImageOptions {
   int width_px = 640;
   int height_px = 360;
   double pixel_error = 1;
+  /// The views are frames of a flight with impostors (render/impostor.h); of so many frames one is compared.
+  bool impostors = false;
+  int compared_every = 1;
 };
 
 /// Draws the tree as a viewer does and compares every pixel with the full-resolution surface, whose points are

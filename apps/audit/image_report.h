@@ -17,6 +17,7 @@ struct ViewReport {
   std::array<double, 3> target_m{};
   std::uint64_t tiles = 0;
   std::uint64_t triangles = 0;
+  std::uint64_t impostor_tiles = 0;  ///< Further tiles, which an impostor stood in for.
   /// What may be: the pixel error asked for, or more where the view is nearer than the leaves are good for.
   double limit_px = 1;
   /// From the surface's point seen at a pixel to the drawn mesh above or below it.

@@ -43,8 +43,9 @@ LineGap widest_gap(const SideLine& a, double step_a_m, const SideLine& b, double
   return widest;
 }
 
-std::optional<CoarseNeighbour> coarse_neighbour(const LevelLines& coarse, const codec::TileId& fine, Side side) {
-  const auto depth = static_cast<std::uint32_t>(fine.level - coarse.level);
+std::optional<CoarseNeighbour> coarse_neighbour(const LevelLines& coarse, const codec::TileId& fine, int halvings,
+                                                Side side) {
+  const auto depth = static_cast<std::uint32_t>(halvings - coarse.halvings);
   const std::uint32_t mask = (1U << depth) - 1;
   const bool across = side == kWest || side == kEast;
   const bool towards_origin = side == kWest || side == kNorth;

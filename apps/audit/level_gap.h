@@ -14,6 +14,7 @@ namespace tintree::audit {
 /// vertex was saved.
 struct LevelLines {
   int level = 0;
+  int halvings = 0;  ///< TreeLayout::halvings() of the level.
   double z_step_m = 1;
   std::uint32_t tiles_x = 0;
   std::vector<SideLine> east;  ///< Row-major by tile.
@@ -38,8 +39,9 @@ struct CoarseNeighbour {
   const SideLine* line = nullptr;
 };
 
-/// The tile of the coarser level behind `side` of `fine`, when that side lies on a line between two tiles of
-/// that level.
-std::optional<CoarseNeighbour> coarse_neighbour(const LevelLines& coarse, const codec::TileId& fine, Side side);
+/// The tile of the coarser level behind `side` of `fine`, for whose level the root's side is halved `halvings` times,
+/// when that side lies on a line between two tiles of the coarser level.
+std::optional<CoarseNeighbour> coarse_neighbour(const LevelLines& coarse, const codec::TileId& fine, int halvings,
+                                                Side side);
 
 }  // namespace tintree::audit

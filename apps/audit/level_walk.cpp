@@ -64,6 +64,7 @@ LevelWalk::LevelWalk(const AuditContext& context, int level, const std::vector<L
     report_.map = std::make_shared<ErrorMap>(codec::CellRect{0, 0, layout.columns - 1, layout.rows - 1}, map_px);
   }
   lines_.level = level;
+  lines_.halvings = layout.halvings(level);
   lines_.z_step_m = z_step_m_;
   lines_.tiles_x = tiles_x_;
   if (level == layout.leaf_level) return;
@@ -159,7 +160,7 @@ void LevelWalk::compare_levels(TileReport& tile) {
 /// A viewer takes a tile from where its error projects to a pixel on; two tiles of different levels thus meet
 /// no nearer than where the larger of their errors is a pixel.
 void LevelWalk::compare_level(TileReport& tile, Side side, const LevelLines& coarse) {
-  const auto neighbour = coarse_neighbour(coarse, tile.id, side);
+  const auto neighbour = coarse_neighbour(coarse, tile.id, lines_.halvings, side);
   if (!neighbour) return;
   const LineGap widest = widest_gap(*neighbour->line, coarse.z_step_m, tile.sides[side], z_step_m_);
   if (coarse.level == report_.level - 1) report_.gap_max_m = std::max(report_.gap_max_m, widest.gap_m);

@@ -94,9 +94,11 @@ class PictureExamination {
     const auto keys = store_.picture_keys(kind);
     if (!keys) return tl::unexpected(keys.error());
     for (const std::int64_t key : *keys) {
-      if (store_.bounds().find(TileId::from_key(key)) >= 0) continue;
-      blame(std::nullopt, fmt::format("there is a {} in row {}, which is none of the hierarchy's tiles",
-                                      cache::picture_name(kind), key));
+      const TileId id = TileId::from_key(key);
+      if (store_.bounds().find(id) >= 0 && id == manifest_.layout.picture_tile(id)) continue;
+      blame(std::nullopt,
+            fmt::format("there is a {} in row {}, which is none of the hierarchy's tiles, or has its parent's",
+                        cache::picture_name(kind), key));
     }
     return {};
   }
@@ -143,17 +145,21 @@ class PictureExamination {
 
   void examine(PictureKind kind, const cache::TileNode& node) {
     if (!context_.advance(0)) return stop_with(stopped_error());
+    const codec::TreeLayout& layout = manifest_.layout;
+    if (node.id != layout.picture_tile(node.id)) return;
     const auto own = decoded(kind, node.id, Scale::kLight, true);
     if (!own) return;
     {
       const std::scoped_lock lock(turn_);
       ++(kind == PictureKind::kTexture ? report_.textures : report_.normal_maps);
     }
-    if (node.id.level == manifest_.layout.leaf_level)
+    if (layout.is_leaf_square(node.id.level))
       return kind == PictureKind::kTexture ? compare_photo(node.id) : compare_heights(node.id, *own);
+    // The last tile on this square is the one whose children lie on its quadrants.
+    const TileId last{layout.coarsest_level(layout.halvings(node.id.level) + 1) - 1, node.id.x, node.id.y};
     for (int q = 0; q < 4; ++q) {
-      if ((node.child_mask >> q & 1) == 0) continue;
-      const TileId child = node.id.child(q);
+      const TileId child = layout.child(last, q);
+      if (store_.bounds().find(child) < 0) continue;
       const auto finer = decoded(kind, child, Scale::kLight, false);
       if (finer) judge(kind, child, match_parent(*finer, *own, q), "its parent's, tile " + node.id.text());
     }

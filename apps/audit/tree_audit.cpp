@@ -54,7 +54,9 @@ class TreeWalk {
       begin_step(fmt::format("Measuring level {} of {}", level, layout_.leaf_level),
                  static_cast<std::uint64_t>((layout_.columns - 1) * (layout_.rows - 1)));
       const auto under_empty = [&](const codec::TileId& id) {
-        return level > 0 && empty_parents[std::size_t{id.y >> 1} * layout_.tiles_x(level - 1) + (id.x >> 1)];
+        if (level == 0) return false;
+        const codec::TileId parent = layout_.parent(id);
+        return static_cast<bool>(empty_parents[std::size_t{parent.y} * layout_.tiles_x(parent.level) + parent.x]);
       };
       LevelWalk walk(context_, level, coarser, under_empty, options_.map_px);
       auto report = walk.run(report_);

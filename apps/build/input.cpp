@@ -128,7 +128,9 @@ cache::Manifest describe_tree(const BuildOptions& options, const cache::RasterIn
   layout.columns = info.columns;
   layout.rows = info.rows;
   layout.tile_cells = options.tile_cells;
-  layout.leaf_level = codec::TreeLayout::leaf_level_for(info.columns, info.rows, options.tile_cells);
+  layout.levels_per_doubling = options.levels_per_doubling;
+  layout.leaf_level =
+      codec::TreeLayout::leaf_level_for(info.columns, info.rows, options.tile_cells, options.levels_per_doubling);
   layout.dx_m = info.dx_m;
   layout.dy_m = info.dy_m;
   layout.axes = info.axes;

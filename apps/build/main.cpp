@@ -12,6 +12,7 @@
 #include "apps/build/summary.h"
 #include "apps/common/json_file.h"
 #include "apps/common/program.h"
+#include "codec/mesh_codec.h"
 #include "simplify/tile_maker.h"
 
 namespace {
@@ -39,6 +40,11 @@ Expected<void> check(const BuildOptions& o) {
     return tintree::fail(ErrorCode::kUsage, "is for --method scalar; leave it out with " + o.method, "--quantizer");
   if (o.criterion && o.method != "wavelet")
     return tintree::fail(ErrorCode::kUsage, "is for --method wavelet; leave it out with " + o.method, "--criterion");
+  if (o.levels_per_doubling > tintree::codec::most_levels_per_doubling(o.method)) {
+    return tintree::fail(ErrorCode::kUsage,
+                         "is 1 for --method " + o.method + "; leave it out, or choose --method tin, strip or scalar",
+                         "--levels-per-doubling");
+  }
   if (o.plan && o.method == "wavelet") {
     return tintree::fail(
         ErrorCode::kUsage,
@@ -76,8 +82,9 @@ int main(int argc, char** argv) {
   app.add_option("DEM", o.dems, "Elevation models on one grid, any rasters that GDAL reads; the last lies on top")
       ->required();
   app.add_option("-o,--output", o.output, "Tree to write (.tintree); required, except with --plan");
-  app.add_option("--error", o.error_m,
-                 "Error bound of the leaves in metres; doubles with every level up (default: half the sample spacing)");
+  app.add_option(
+      "--error", o.error_m,
+      "Error bound of the leaves in metres; doubles from level to level up (default: half the sample spacing)");
   app.add_option("--method", o.method, "How tiles are made")
       ->check(CLI::IsMember(tintree::simplify::method_names()))
       ->capture_default_str();
@@ -91,6 +98,11 @@ int main(int argc, char** argv) {
                  "max each, or rms their root mean square (default)")
       ->check(CLI::IsMember({"max", "rms"}));
   app.add_option("--tile", o.tile_cells, "DEM cells along a leaf's side, a power of two")->capture_default_str();
+  app.add_option("--levels-per-doubling", o.levels_per_doubling,
+                 "2: a level between each two, errors a factor of √2 apart, so that fewer triangles are drawn from a "
+                 "larger file")
+      ->check(CLI::IsMember({1, 2}))
+      ->capture_default_str();
   app.add_option("--ortho", o.orthos,
                  "Photos to drape over the terrain, in any format and CRS that GDAL reads; the last lies on top");
   app.add_option(

@@ -18,13 +18,14 @@ constexpr std::size_t kSampled = 8;
 
 struct Leaves {
   std::vector<codec::TileId> sampled;  ///< Evenly spread.
-  std::uint64_t tiles = 0;             ///< Of all levels.
+  std::uint64_t tiles = 0;             ///< That have pictures, of all levels.
 };
 
 Leaves choose_leaves(const codec::TreeLayout& layout) {
   std::vector<codec::TileId> all = simplify::list_tiles(layout);
+  std::erase_if(all, [&layout](const codec::TileId& id) { return id != layout.picture_tile(id); });
   Leaves out{{}, all.size()};
-  std::erase_if(all, [&layout](const codec::TileId& id) { return id.level < layout.leaf_level; });
+  std::erase_if(all, [&layout](const codec::TileId& id) { return !layout.is_leaf_square(id.level); });
   const std::size_t count = std::min(kSampled, all.size());
   for (std::size_t i = 0; i < count; ++i) out.sampled.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
   return out;

@@ -10,7 +10,7 @@ LIMITS_MIB = (256, 1024)
 def run(results, data, quick, large):
     rasters = [whole(data, "moon")] + ([mirrored(data, "moon", *times) for times in LARGE] if large else [])
     for raster in rasters:
-        for effort, options in list(tintree.efforts().items())[: 1 if quick else None]:
+        for effort, options in list(tintree.EFFORTS.items())[: 1 if quick else None]:
             for limit in LIMITS_MIB:
                 results.once("memory", lambda o=("--memory", str(limit), *options): _figures(raster, o), data=raster.name,
                              columns=raster.size[0], rows=raster.size[1], limit_mib=limit, method=f"tintree {effort}")

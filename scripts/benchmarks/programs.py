@@ -41,11 +41,6 @@ def shown(part):
     return str(path.relative_to(ROOT)) if path.is_absolute() and path.is_relative_to(ROOT) else str(part)
 
 
-def cpu_name():
-    lines = Path("/proc/cpuinfo").read_text().splitlines()
-    return next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.machine())
-
-
 class _PeakWatch(threading.Thread):
     """Looks at a process's largest memory every few milliseconds until it ends. What wait4 says of a child begins with
     what its parent, this program, had."""

@@ -32,9 +32,10 @@ def _measure_all(results, raster, spacings, error_m, slow_too):
 
         return results.once("quality", figures, data=raster.name, spacings=spacings, error_m=error_m, method=method)
 
-    for effort, options in tintree.efforts().items():
+    for name, options in tintree.METHODS.items():
         for cut, tile in CUTS.items():
-            once(f"tintree {effort}, {cut}", lambda o=(*options, *tile): leaf_level(raster, error_m, o))
+            if cut == "default tiles" or name in tintree.EFFORTS:
+                once(f"tintree {name}, {cut}", lambda o=(*options, *tile): leaf_level(raster, error_m, o))
     for rival in MESH_RIVALS:
         if rival.slow and not slow_too:
             continue
@@ -70,9 +71,6 @@ def print_tables(results):
         rows = [r for r in records if (r["data"], r["spacings"], r["error_m"]) == key]
         delatin = next((r["triangles"] for r in rows if r["method"] == "delatin"), None)
         print_table(f"{key[0]}, error {key[1]:g} spacings = {key[2]:.5g} m", _HEADER, [_cells(r, delatin) for r in rows])
-    note = tintree.missing_efforts()
-    if note:
-        print(f"\n{note}")
 
 
 def _beyond(r, key):

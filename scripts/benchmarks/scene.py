@@ -21,13 +21,16 @@ TREES = {
     "tintree fast": ("--effort", "fast"),
     "tintree best": ("--effort", "best"),
     "tintree best, tiles of 128": ("--effort", "best", "--tile", "128"),
+    "tintree fast, steps of √2": ("--effort", "fast", "--levels-per-doubling", "2"),
+    "tintree best, steps of √2": ("--effort", "best", "--levels-per-doubling", "2"),
+    "tintree best, tiles of 128, steps of √2": ("--effort", "best", "--tile", "128", "--levels-per-doubling", "2"),
 }
 
 #: What each step from the drawn triangles to the fewest leaves out; see tests/bench/scene/scene_counts.h.
 STEPS = {
     "in_picture": "parts of tiles outside the picture",
     "one_tile": "tiles: borders, and effort",
-    "any_error": "levels: errors in steps of two",
+    "any_error": "levels: errors in steps",
     "fewest": "a tile taken at the place where errors show most",
 }
 

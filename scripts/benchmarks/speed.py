@@ -21,14 +21,19 @@ def rasters(data, quick, large):
 def run(results, data, quick, large):
     for raster in rasters(data, quick, large):
         repeats = 1 if quick or raster.samples > 10**8 else 3
-        for effort, options in tintree.efforts().items():
+        for effort, options in tintree.EFFORTS.items():
             for threads in (2,) if raster.samples > 10**8 else (1, 2):
-                _measure(results, raster, effort, [*options, "--threads", str(threads)], threads, repeats)
+                _measure(results, raster, effort, options, threads, repeats)
+        if raster in (whole(data, "moon"), whole(data, "california")):
+            for name, options in tintree.METHODS.items():
+                if name not in tintree.EFFORTS:
+                    _measure(results, raster, name, options, threads=2, repeats=1)
     print_tables(results)
 
 
-def _measure(results, raster, effort, options, threads, repeats):
-    results.once("speed", lambda: _figures(raster, options, repeats), data=raster.name, method=f"tintree {effort}",
+def _measure(results, raster, name, options, threads, repeats):
+    options = [*options, "--threads", str(threads)]
+    results.once("speed", lambda: _figures(raster, options, repeats), data=raster.name, method=f"tintree {name}",
                  threads=threads, runs=repeats)
 
 

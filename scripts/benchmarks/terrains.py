@@ -1,5 +1,4 @@
 """The terrains of the atlas: made ones by name (build/bench/tests/make_terrain), and windows of real DEMs."""
-import math
 import re
 import struct
 from dataclasses import dataclass

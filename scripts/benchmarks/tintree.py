@@ -1,21 +1,14 @@
 """Our own rows: tintree-build with its options, and what it says of itself."""
 import json
-from functools import lru_cache
 
 from programs import BIN, CACHE, run
 
 
-@lru_cache
-def efforts():
-    """{row name: options}; one row as long as tintree-build knows no --effort."""
-    if "--effort" in run(BIN / "tintree-build", "--help").output:
-        return {"fast": ["--effort", "fast"], "best": ["--effort", "best"]}
-    return {"default": []}
-
-
-def missing_efforts():
-    return "" if len(efforts()) > 1 else "This tintree-build has no --effort: one row in place of fast and best."
-
+#: {row name: options} of the default method,
+EFFORTS = {"fast": ["--effort", "fast"], "best": ["--effort", "best"]}
+#: and of all that a tree can hold.
+METHODS = {**EFFORTS, "strip": ["--method", "strip"], "strip best": ["--method", "strip", "--effort", "best"],
+           **{name: ["--method", name] for name in ("nested", "wavelet", "scalar")}}
 
 TREE = CACHE / "tree.tintree"
 

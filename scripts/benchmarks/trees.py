@@ -4,6 +4,7 @@ from datasets import DEMS, crop, whole
 from raster_coders import RASTER_CODERS, code
 from results import number, print_table
 
+_EFFORTS = [f"tintree {effort}" for effort in tintree.EFFORTS]
 ERRORS = (0.1, 0.2, 0.5, 1, 2, 4)  # sample spacings
 
 
@@ -14,8 +15,8 @@ def run(results, data, quick):
         _check_spacing(raster, spacing)
         for spacings in ERRORS:
             common = {"data": raster.name, "spacings": spacings, "error_m": spacings * spacing}
-            for effort, options in tintree.efforts().items():
-                results.once("trees", lambda o=options: _tree(raster, common["error_m"], o), **common, method=f"tintree {effort}")
+            for method, options in tintree.METHODS.items():
+                results.once("trees", lambda o=options: _tree(raster, common["error_m"], o), **common, method=f"tintree {method}")
             for coder in RASTER_CODERS:
                 results.once("trees", lambda c=coder: _coded(raster, common["error_m"], c), **common, method=coder)
     print_tables(results)
@@ -46,10 +47,11 @@ def print_tables(results):
         methods = list(dict.fromkeys(r["method"] for r in rows))
         trees = [m for m in methods if m.startswith("tintree")]
         bits = {(r["spacings"], r["method"]): r for r in rows}
-        header = ["error, spacings", "error m"] + [f"{m}, {what}" for m in trees for what in ("bits a sample", "(file)", "bits a vertex")]
-        header += [f"{m}, bits a sample" for m in methods if m not in trees]
+        header = ["error, spacings", "error m"]
+        header += [f"{m}, {what}" for m in _EFFORTS for what in ("bits a sample", "(file)", "bits a vertex")]
+        header += [f"{m}, bits a sample" for m in methods if m not in _EFFORTS]
         print_table(f"{data}: all levels of the tree, one level of the others", header,
-                    [_cells(s, bits, trees, methods) for s in dict.fromkeys(r["spacings"] for r in rows)])
+                    [_cells(s, bits, methods) for s in dict.fromkeys(r["spacings"] for r in rows)])
         print()
         for tree in trees:
             for coder in methods:
@@ -57,12 +59,12 @@ def print_tables(results):
                     print(_from_where(bits, tree, coder))
 
 
-def _cells(spacings, bits, trees, methods):
+def _cells(spacings, bits, methods):
     cells = [f"{spacings:g}", number(bits[spacings, methods[0]]["error_m"])]
-    for tree in trees:
-        r = bits[spacings, tree]
+    for effort in _EFFORTS:
+        r = bits[spacings, effort]
         cells += [number(r["bits_per_sample"]), number(r["file_bits_per_sample"]), number(r["bits_per_vertex"])]
-    return cells + [number(bits[spacings, m]["bits_per_sample"]) for m in methods if m not in trees]
+    return cells + [number(bits[spacings, m]["bits_per_sample"]) for m in methods if m not in _EFFORTS]
 
 
 def _from_where(bits, tree, coder):

@@ -18,16 +18,35 @@ EVERY = 20  # frames between those that are compared with the surface
 STILLS = 61  # frames of a standing view
 
 
-def rasters(args):
-    """Flight, raster, error of its leaves in metres, path; a quick run takes crops."""
+def data(args):
+    """The Moon, California, Autzen. A quick run takes crops."""
     moon = crop(args.data, "moon", 2049, 2049) if args.quick else whole(args.data, "moon")
     california = crop(args.data, "california") if args.quick else whole(args.data, "california")
-    autzen = Raster("autzen", args.data / AUTZEN)
-    seconds = 4 if args.quick else 30
-    sierra = ((0.1, 0.1), (0.9, 0.9)) if args.quick else ((0.44, 0.2), (0.56, 0.75))
-    yield "high over the Moon", moon, 10, flights.fly(moon, "moon", (0.1, 0.5), (0.9, 0.5), 14000, 20000, seconds, -30)
-    yield "low through the Sierra", california, 5, flights.fly(california, "sierra", *sierra, 1500, 300, seconds, -5, sway=0.02)
-    yield "over Autzen", autzen, 0.3, flights.fly(autzen, "autzen", (0.2, 0.9), (0.8, 0.1), 150, 60, seconds, -20)
+    return moon, california, Raster("autzen", args.data / AUTZEN)
+
+
+def sierra(args):
+    """Begin and end of the flight, as shares of California."""
+    return ((0.1, 0.1), (0.9, 0.9)) if args.quick else ((0.44, 0.2), (0.56, 0.75))
+
+
+def fast_flights(args, seconds, suffix=""):
+    """Name, raster, error of its leaves in metres, path."""
+    moon, california, autzen = data(args)
+    yield "high over the Moon", moon, 10, flights.fly(moon, "moon" + suffix, (0.1, 0.5), (0.9, 0.5), 14000, 20000, seconds, -30)
+    yield "low through the Sierra", california, 5, flights.fly(
+        california, "sierra" + suffix, *sierra(args), 1500, 300, seconds, -5, sway=0.02)
+    yield "over Autzen", autzen, 0.3, flights.fly(autzen, "autzen" + suffix, (0.2, 0.9), (0.8, 0.1), 150, 60, seconds, -20)
+
+
+def slow_flights(args, seconds):
+    """So slow that far ground looks the same for many frames; at last one that only turns, 25 degrees to and fro."""
+    moon, california, autzen = data(args)
+    yield "Moon, 2 km up, 10 m/s", moon, 10, flights.fly(moon, "moon_slow", (0.1, 0.5), (0.9, 0.5), 36, 2000, seconds, -10)
+    yield "Sierra, 100 m up, 5 m/s", california, 5, flights.fly(california, "sierra_slow", *sierra(args), 18, 100, seconds, -5)
+    yield "Autzen, 60 m up, 1 m/s", autzen, 0.3, flights.fly(autzen, "autzen_slow", (0.2, 0.9), (0.8, 0.1), 3.6, 60, seconds, -20)
+    yield "Sierra, 100 m up, turning", california, 5, flights.fly(
+        california, "sierra_turning", *sierra(args), 1, 100, seconds, -5, sway=1e-9)
 
 
 def build(raster, error_m):
@@ -46,7 +65,7 @@ def fly(args, tree, path, *options):
 
 def run_flights(results, args):
     width, height = args.size.split("x")
-    for name, raster, error_m, path in rasters(args):
+    for name, raster, error_m, path in fast_flights(args, 4 if args.quick else 30):
         tree = build(raster, error_m)
         fly(args, tree, path, "--fps", "5")  # Warms the operating system's cache.
         figures, cost = fly(args, tree, path, "--real-time")
@@ -63,6 +82,30 @@ def run_flights(results, args):
                     cost=compared["cost"], image=compared["image"], occlusion=compared["occlusion"],
                     command=cost.command)
     print_flights(results)
+
+
+def run_impostors(results, args):
+    """Each flight in turn without and with impostors; the less processor time of two. Every 20th frame of one more flight
+    with them is compared with the surface."""
+    width, height = args.size.split("x")
+    seconds = 2 if args.quick else 5
+    for name, raster, error_m, path in (*slow_flights(args, seconds), *fast_flights(args, seconds, "_short")):
+        tree = build(raster, error_m)
+        ways = {"without": [], "with": []}
+        for _ in range(2):
+            for way, runs in ways.items():
+                figures, cost = fly(args, tree, path, "--fps", "30", *["--impostors"] * (way == "with"))
+                frames = figures.pop("frames")
+                runs.append({"cpu_s": cost.cpu_seconds, "triangles": figures["triangles"] + figures["impostor_triangles"],
+                             "p99_of_median": figures["frame_seconds_p99"] / figures["frame_seconds_median"],
+                             "gpu_bytes": max(f["gpu_bytes"] for f in frames), "frames": len(frames),
+                             "shown": sum(f["impostor_tiles"] > 0 for f in frames),
+                             "drawn": sum(f["impostor_triangles"] > 0 for f in frames)})
+        image = run(BIN / "bench_view", tree, "--impostors", "--flight", path, "--dem", raster.path, "--headless", args.headless,
+                    "--every", EVERY, "--width", width, "--height", height).json()
+        least = {way: min(runs, key=lambda r: r["cpu_s"]) for way, runs in ways.items()}
+        results.add("view_impostors", flight=name, size=args.size, **least, image=image, command=cost.command)
+    print_impostors(results)
 
 
 def run_sizes(results, args):
@@ -119,6 +162,21 @@ def print_flights(results):
                  "choosing ms without", "where it pays", "always"], rows)
 
 
+def print_impostors(results):
+    rows = []
+    for r in results.of("view_impostors"):
+        without, ours, image = r["without"], r["with"], r["image"]
+        rows.append([r["flight"], ours["frames"], number(without["cpu_s"], 3), number(ours["cpu_s"], 3),
+                     f"{ours['cpu_s'] / without['cpu_s']:.3f}", number(without["triangles"]), number(ours["triangles"]),
+                     ours["drawn"], ours["shown"], f"{without['p99_of_median']:.2f}", f"{ours['p99_of_median']:.2f}",
+                     number(round(ours["gpu_bytes"] / 1e6)), f"{image['with_impostor']} of {image['views']}", image["crack_px"],
+                     number(image["drawn_max_px"], 3), number(image["limit_px"], 3), image["violations"]])
+    print_table("Impostors: processor seconds of whole flights, and every 20th frame against the surface",
+                ["flight", "frames", "cpu s without", "with", "with/without", "triangles without", "with, pictures' too",
+                 "pictures drawn", "frames they serve", "p99/median without", "with", "graphics MB", "compared views with one",
+                 "crack px", "drawn px", "allowed px", "violations"], rows)
+
+
 def print_sizes(results):
     records = results.of("view_sizes")
     rows = [[f"{r['side']}²", number(r["tree_bytes"]), number(r["triangles"]), number(1e3 * r["frame_s"], 4),
@@ -129,7 +187,7 @@ def print_sizes(results):
 def arguments():
     parser = argparse.ArgumentParser(prog="scripts/bench view", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="crops and short flights: minutes")
-    parser.add_argument("--only", choices=("flights", "sizes"), action="append", help="this table; may be given again")
+    parser.add_argument("--only", choices=("flights", "impostors", "sizes"), action="append", help="this table; may be given again")
     parser.add_argument("--headless", choices=("osmesa", "egl"), default="osmesa", help="software, or a graphics card")
     parser.add_argument("--size", default="1280x720", help="WIDTHxHEIGHT of the pictures")
     parser.add_argument("--data", default=ROOT.parent / "shared" / "data", type=Path, help="folder of the DEMs")
@@ -140,14 +198,14 @@ def arguments():
 def main():
     args = arguments()
     if args.show:
-        print_flights(Results(args.show))
-        print_sizes(Results(args.show))
+        for show in (print_flights, print_impostors, print_sizes):
+            show(Results(args.show))
         return
     lock = exclusive.begin(args.data)  # held until the end
     results = Results()
     print(f"## scripts/bench view, {results.run}, {cpu_name()}, {platform.system()} {platform.machine()}")
-    for table in args.only or ("flights", "sizes"):
-        {"flights": run_flights, "sizes": run_sizes}[table](results, args)
+    for table in args.only or ("flights", "impostors", "sizes"):
+        {"flights": run_flights, "impostors": run_impostors, "sizes": run_sizes}[table](results, args)
         sys.stdout.flush()
     print(f"\nEvery figure with the command that made it: {PATH.relative_to(ROOT)}, run {results.run}")
 

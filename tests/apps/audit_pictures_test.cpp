@@ -78,6 +78,21 @@ TEST_F(AuditPicturesTest, PassesAGoodTree) {
 }
 
 // A leaf is held against the photo, any tile against its parent.
+TEST_F(AuditPicturesTest, KnowsWhichTilesShareAPicture) {
+  ASSERT_EQ(
+      build({"--ortho", photo_, "--normal-maps", "--texture-size", "32", "--levels-per-doubling", "2", "--overwrite"})
+          .exit_code,
+      kDone);
+  const ProgramResult sound = audit({"--ortho", photo_});
+  EXPECT_EQ(sound.exit_code, 0) << sound.all();
+  move_rows({3, 1, 1});
+  expect_found({3, 1, 1}, "rows of texels off");
+  // The finer tile on the square of 1/0/1 has a picture of its own now.
+  replace(PictureKind::kTexture, {2, 0, 1}, payload(PictureKind::kTexture, {1, 0, 1}));
+  EXPECT_EQ(audit().exit_code, 1);
+  EXPECT_NE(read_file(report_).find("or has its parent's"), std::string::npos);
+}
+
 TEST_F(AuditPicturesTest, FindsRowsMovedByOne) {
   const TileId leaf{2, 1, 1};
   const auto whole = payload(PictureKind::kTexture, leaf);

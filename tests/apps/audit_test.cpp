@@ -224,9 +224,12 @@ TEST_F(AuditTest, PassesTreesWithHolesFractionsAndOneTile) {
   write_raster(dem_, {.columns = 50, .rows = 41}, holed_hills);
   for (const int tile_cells : {8, 16, 64}) {
     for (const int shift : {0, -3}) {
-      write_tree(path_, make_regular_tree(dem_, {.tile_cells = tile_cells, .xy_shift = shift}));
-      const ProgramResult r = audit();
-      EXPECT_EQ(r.exit_code, 0) << r.all();
+      for (const int levels : {1, 2}) {
+        write_tree(path_, make_regular_tree(
+                              dem_, {.tile_cells = tile_cells, .levels_per_doubling = levels, .xy_shift = shift}));
+        const ProgramResult r = audit();
+        EXPECT_EQ(r.exit_code, 0) << r.all();
+      }
     }
   }
 }
@@ -410,6 +413,30 @@ TEST_F(AuditTest, FindsAGapBetweenLevels) {
   expect_found({2, 2, 1}, "gap");
 }
 
+/// Likewise where both levels lie on the same squares.
+TEST_F(AuditTest, FindsAGapBetweenLevelsOfEqualTiles) {
+  tree_ = make_regular_tree(dem_, {.tile_cells = 16, .levels_per_doubling = 2, .leaf_error_m = 50});
+  write_tree(path_, tree_);
+  EXPECT_EQ(audit().exit_code, 0);
+  codec::TileMesh mesh = tree_.mesh({1, 0, 0});
+  mesh.z_offset += static_cast<std::int64_t>(10 / tree_.manifest.layout.z_step_m[1]);
+  tree_.set_mesh({1, 0, 0}, mesh);
+  for (cache::StoredTile& tile : tree_.tiles) tile.info.border_error_m = tile.info.error_m = 1;
+  write_tree(path_, tree_);
+  const std::string report = dir_.file("report.json");
+  EXPECT_EQ(audit({"--hausdorff-tiles", "0", "--json", report}).exit_code, 1);
+  const json list = json::parse(read_file(report)).at("violation_list");
+  for (const std::string fine : {"2/1/0", "2/0/1"}) {
+    EXPECT_TRUE(std::ranges::any_of(list,
+                                    [&](const json& v) {
+                                      return v.at("kind") == "gap" && v.at("tile") == fine &&
+                                             v.at("message").get<std::string>().find("from tile 1/0/0 ") !=
+                                                 std::string::npos;
+                                    }))
+        << fine << " not in " << list.dump(1);
+  }
+}
+
 TEST_F(AuditTest, MeasuresTheGapBetweenLevels) {
   write_tree(path_, tree_);
   const std::string report = dir_.file("report.json");
@@ -531,7 +558,7 @@ TEST_F(AuditTest, RefusesANewerFormat) {
   write_tree(path_, tree_);
   sqlite3* db = nullptr;
   ASSERT_EQ(sqlite3_open(path_.c_str(), &db), SQLITE_OK);
-  ASSERT_EQ(sqlite3_exec(db, "PRAGMA user_version = 2", nullptr, nullptr, nullptr), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(db, "PRAGMA user_version = 3", nullptr, nullptr, nullptr), SQLITE_OK);
   sqlite3_close(db);
   const ProgramResult r = audit();
   EXPECT_EQ(r.exit_code, 3);

@@ -64,6 +64,31 @@ TEST_F(BuildTest, GivesTheSameTreeWithOneThreadAndTwo) {
   EXPECT_NE(digest({"--error", "1", "--overwrite"}), one);
 }
 
+// Of two levels a doubling, every second one is a level of a tree with one, bit for bit.
+TEST_F(BuildTest, PutsALevelBetweenEachTwo) {
+  for (const char* method : {"tin", "strip", "scalar"}) {
+    SCOPED_TRACE(method);
+    ASSERT_NE(digest({"--error", "2", "--method", method, "--overwrite"}), "");
+    fs::rename(tree_, dir_.file("one.tintree"));
+    const std::string whole = digest({"--error", "2", "--method", method, "--levels-per-doubling", "2"});
+    EXPECT_EQ(
+        digest({"--error", "2", "--method", method, "--levels-per-doubling", "2", "--threads", "1", "--overwrite"}),
+        whole);
+    const auto one = cache::TileStore::open(dir_.file("one.tintree"));
+    const auto two = cache::TileStore::open(tree_);
+    ASSERT_TRUE(one.has_value() && two.has_value());
+    EXPECT_EQ(two->manifest().layout.leaf_level, 4);
+    EXPECT_EQ(two->bounds().nodes().size(), 1U + 4 + 4 + 9 + 9);
+    for (const cache::TileNode& node : one->bounds().nodes()) {
+      const auto a = one->read(node.id);
+      const auto b = two->read({2 * node.id.level, node.id.x, node.id.y});
+      ASSERT_TRUE(a && b) << node.id.text();
+      EXPECT_EQ(a->payload, b->payload) << node.id.text();
+      EXPECT_EQ(a->info.error_m, b->info.error_m) << node.id.text();
+    }
+  }
+}
+
 TEST_F(BuildTest, MakesWaveletTilesByEitherCriterion) {
   const std::string max = digest({"--method", "wavelet", "--criterion", "max", "--tile", "16", "--threads", "1"});
   EXPECT_EQ(digest({"--method", "wavelet", "--criterion", "max", "--tile", "16", "--threads", "4", "--overwrite"}),
@@ -206,6 +231,10 @@ TEST_F(BuildTest, RefusesWrongOptions) {
   expect_refused({"--criterion", "max"}, kUsage, {"--criterion", "wavelet"});
   expect_refused({"--method", "wavelet", "--criterion", "mean"}, kUsage, {"--criterion"});
   expect_refused({"--method", "wavelet", "--plan"}, kUsage, {"--plan", "--method tin"});
+  for (const char* levels : {"0", "3", "some"})
+    expect_refused({"--levels-per-doubling", levels}, kUsage, {"--levels-per-doubling"});
+  for (const char* method : {"nested", "wavelet"})
+    expect_refused({"--levels-per-doubling", "2", "--method", method}, kUsage, {"--levels-per-doubling", method});
   expect_refused({"--resume", "--overwrite"}, kUsage, {"--resume", "--overwrite"});
   expect_refused({"--quantizer", "uniform"}, kUsage, {"--quantizer", "--method scalar"});
   expect_refused({"--method", "scalar", "--quantizer", "finest"}, kUsage, {"--quantizer"});

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "cache/tile_pictures.h"
 #include "codec/texture_codec.h"
 #include "tests/apps/build_support.h"
 #include "tests/support/test_photo.h"
@@ -47,6 +48,36 @@ TEST_F(OrthoTest, PutsPicturesIntoTheTree) {
     }
   }
   EXPECT_LT(std::sqrt(squares / (33 * 33 * 3)), 8);
+}
+
+// Tiles on the same square have one picture, the one that a tree with one level a doubling has there.
+TEST_F(OrthoTest, TwoLevelsADoublingShareTheirPictures) {
+  const Words options{"--ortho", photo_, "--normal-maps", "--texture-size", "32"};
+  const json one_report = report_of(options);
+  fs::rename(tree_, dir_.file("one.tintree"));
+  Words more = options;
+  more.insert(more.end(), {"--levels-per-doubling", "2"});
+  const json two_report = report_of(more);
+  EXPECT_GT(two_report.at("tiles"), one_report.at("tiles"));
+  const auto one = cache::TileStore::open(dir_.file("one.tintree"));
+  const auto two = cache::TileStore::open(tree_);
+  ASSERT_TRUE(one.has_value() && two.has_value());
+  for (const PictureKind kind : {PictureKind::kTexture, PictureKind::kNormal}) {
+    EXPECT_EQ(two->picture_keys(kind)->size(), one->picture_keys(kind)->size());
+    for (const cache::TileNode& node : two->bounds().nodes()) {
+      const codec::TileId on_square{two->manifest().layout.halvings(node.id.level), node.id.x, node.id.y};
+      const auto expected = one->read_picture(kind, on_square);
+      const auto found = two->read_picture(kind, two->manifest().layout.picture_tile(node.id));
+      ASSERT_TRUE(expected && *expected && found && *found) << node.id.text();
+      EXPECT_EQ(**found, **expected) << node.id.text();
+    }
+  }
+  for (const cache::TileNode& node : two->bounds().nodes()) {
+    const auto loaded = cache::load_pictures(*two, node.id, true);
+    ASSERT_TRUE(loaded.has_value()) << loaded.error().text();
+    EXPECT_EQ(loaded->colors.size, 33);
+    EXPECT_EQ(loaded->directions.size, 33);
+  }
 }
 
 TEST_F(OrthoTest, JpegTakesLessOfTheDisk) {

@@ -235,6 +235,7 @@ class StoppedTest : public ResumeTest {
 TEST_F(StoppedTest, RefusesOtherOptionsByName) {
   expect_resume_refused({"--error", "3"}, {building_, "--error", "0.5 there, 3 here"});
   expect_resume_refused({"--tile", "64"}, {building_, "--tile", "32 there, 64 here"});
+  expect_resume_refused({"--levels-per-doubling", "2"}, {building_, "--levels-per-doubling", "1 there, 2 here"});
   expect_resume_refused({"--effort", "best"}, {building_, "--effort", "fast there, best here"});
   EXPECT_NE(finish({"--threads", "1", "--memory", "900"}), "") << "these change no tile";
 }

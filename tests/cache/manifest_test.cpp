@@ -116,6 +116,13 @@ TEST(Manifest, ImpossibleTreesAreRefused) {
       [](auto& l) { l.leaf_level = 2; },
       [](auto& l) { l.leaf_level = 4; },
       [](auto& l) { l.leaf_level = 1 << 30; },
+      [](auto& l) { l.levels_per_doubling = 0; },
+      [](auto& l) { l.levels_per_doubling = 2; },
+      [](auto& l) {
+        l.levels_per_doubling = 3;
+        l.leaf_level = 9;
+        l.z_step_m.resize(10, 1);
+      },
       [](auto& l) { l.z_step_m.pop_back(); },
       [](auto& l) { l.z_step_m[1] = 0; },
       [](auto& l) { l.z_step_m[2] = -1; },
@@ -143,6 +150,20 @@ TEST(Manifest, ImpossibleTreesAreRefused) {
   }
 }
 
+TEST(Manifest, TwoLevelsADoublingAreForMethodsThatCan) {
+  Manifest m = make_manifest();
+  m.layout.levels_per_doubling = 2;
+  m.layout.leaf_level = 6;
+  m.layout.z_step_m.resize(7, 1);
+  const auto back = Manifest::from_json(m.to_json());
+  ASSERT_TRUE(back.has_value()) << back.error().text();
+  EXPECT_EQ(back->layout.levels_per_doubling, 2);
+  for (const char* method : {"nested", "wavelet"}) {
+    m.method = method;
+    EXPECT_FALSE(Manifest::from_json(m.to_json()).has_value()) << method;
+  }
+}
+
 TEST(Manifest, DamagedTextNeverCrashes) {
   std::mt19937 random(5);
   const std::string text = make_manifest().to_json();
@@ -162,6 +183,7 @@ TEST(Manifest, DifferenceNamesTheOption) {
   const std::vector<std::pair<std::string, std::function<void(Manifest&)>>> changes = {
       {"--method", [](Manifest& o) { o.method = "strip"; }},
       {"--tile", [](Manifest& o) { o.layout.tile_cells = 256; }},
+      {"--levels-per-doubling: 1 there, 2 here", [](Manifest& o) { o.layout.levels_per_doubling = 2; }},
       {"--error", [](Manifest& o) { o.layout.leaf_error_m = 7; }},
       {"columns", [](Manifest& o) { o.layout.columns = 1001; }},
       {"rows", [](Manifest& o) { o.layout.rows = 701; }},

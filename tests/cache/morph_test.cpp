@@ -98,7 +98,7 @@ TEST_F(MorphTest, HasBothSurfacesAtEveryPlace) {
     if (id.level == 0) continue;
     for (const bool aside : {true, false}) {
       const DrawableTile own = tile(id, aside);
-      const DrawableTile parent = tile(id.parent(), aside);
+      const DrawableTile parent = tile(tree_.layout().parent(id), aside);
       const auto morph = make_morph(own, parent);
       ASSERT_TRUE(morph) << id.text();
       const auto surface = std::span(morph->indices).first(3 * std::size_t{morph->surface_triangles});
@@ -125,7 +125,7 @@ TEST_F(MorphTest, HasBothSurfacesAtEveryPlace) {
 TEST_F(MorphTest, IsWatertight) {
   const codec::TileId id{2, 1, 1};
   const DrawableTile own = tile(id);
-  const auto morph = make_morph(own, tile(id.parent()));
+  const auto morph = make_morph(own, tile(tree_.layout().parent(id)));
   ASSERT_TRUE(morph);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (std::size_t i = 0; i < 3 * std::size_t{morph->surface_triangles}; ++i) {
@@ -150,7 +150,7 @@ TEST_F(MorphTest, NeighboursAgreeOnTheirSide) {
   const codec::TileId west{2, 1, 1}, east{2, 2, 1};  // Of different parents.
   const auto side = [&](const codec::TileId& id, double column) {
     const DrawableTile own = tile(id);
-    const auto morph = make_morph(own, tile(id.parent()));
+    const auto morph = make_morph(own, tile(tree_.layout().parent(id)));
     std::set<std::array<double, 3>> out;
     for (const Point& p : points_of(own, *morph)) {
       if (p[0] == column) out.insert({p[1], p[2], p[3]});
@@ -164,10 +164,10 @@ TEST_F(MorphTest, NeighboursAgreeOnTheirSide) {
 TEST_F(MorphTest, HolesDoNotMorph) {
   const codec::TileId id{2, 1, 1};
   const DrawableTile own = tile(id, false);
-  const DrawableTile parent = tile(id.parent(), false);
+  const DrawableTile parent = tile(tree_.layout().parent(id), false);
   tree_.hole = [](double x, double y) { return std::hypot(x - 450, y + 450) < 40; };
   EXPECT_FALSE(make_morph(tile(id, false), parent));
-  EXPECT_FALSE(make_morph(own, tile(id.parent(), false)));
+  EXPECT_FALSE(make_morph(own, tile(tree_.layout().parent(id), false)));
   EXPECT_TRUE(make_morph(own, parent));
 }
 

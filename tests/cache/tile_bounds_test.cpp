@@ -1,6 +1,7 @@
 #include "cache/tile_bounds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -34,10 +35,11 @@ std::vector<TileInfo> random_tiles(std::mt19937& random, const TreeLayout& layou
     t.border_error_m = error(random) / 2;
     const TileId id = t.id;
     if (id.level == layout.leaf_level) continue;
-    for (int q = 0; q < 4; ++q) {
-      if (layout.cells(id.child(q)).empty() || dice(random) > keep) continue;
+    for (int q = 0; q < layout.child_count(id.level); ++q) {
+      const TileId child = layout.child(id, q);
+      if (layout.cells(child).empty() || dice(random) > keep) continue;
       tiles.emplace_back();
-      tiles.back().id = id.child(q);
+      tiles.back().id = child;
     }
   }
   std::ranges::sort(tiles, {}, [](const TileInfo& t) { return t.id.key(); });
@@ -45,11 +47,13 @@ std::vector<TileInfo> random_tiles(std::mt19937& random, const TreeLayout& layou
 }
 
 /// Height range of a tile and of all that lies below it, found by looking at every tile.
-std::pair<double, double> heights_below(const std::vector<TileInfo>& tiles, const TileId& id) {
+std::pair<double, double> heights_below(const TreeLayout& layout, const std::vector<TileInfo>& tiles,
+                                        const TileId& id) {
   std::pair range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const TileInfo& t : tiles) {
-    const int depth = t.id.level - id.level;
-    if (depth < 0 || t.id.x >> depth != id.x || t.id.y >> depth != id.y) continue;
+    if (t.id.level < id.level) continue;
+    const int depth = layout.halvings(t.id.level) - layout.halvings(id.level);
+    if (t.id.x >> depth != id.x || t.id.y >> depth != id.y) continue;
     range = {std::min(range.first, t.z_min_m), std::max(range.second, t.z_max_m)};
   }
   return range;
@@ -85,7 +89,8 @@ void expect_tree(const TileBounds& bounds) {
     for (int q = 0; q < 4; ++q) {
       if ((n.child_mask >> q & 1) == 0) continue;
       ASSERT_LT(at, nodes.size());
-      ASSERT_EQ(nodes[at++].id, n.id.child(q));
+      ASSERT_LT(q, bounds.layout().child_count(n.id.level));
+      ASSERT_EQ(nodes[at++].id, bounds.layout().child(n.id, q));
       ++children;
     }
   }
@@ -105,7 +110,7 @@ TEST(TileInfo, ErrorForTheCutCoversTheGapToTheNextLevel) {
 TEST(TileBounds, SurvivesItsBytes) {
   std::mt19937 random(1);
   for (int i = 0; i < 60; ++i) {
-    const TreeLayout layout = make_layout(2 + random() % 400, 2 + random() % 400, 8);
+    const TreeLayout layout = make_layout(2 + random() % 400, 2 + random() % 400, 8, 1 + i % 2);
     const auto tiles = random_tiles(random, layout, i % 3 == 0 ? 1 : 0.8);
     const TileBounds bounds(layout, tiles);
     const auto bytes = bounds.to_bytes();
@@ -119,7 +124,7 @@ TEST(TileBounds, SurvivesItsBytes) {
 
 TEST(TileBounds, FindsEveryTileAndNoOther) {
   std::mt19937 random(2);
-  const TreeLayout layout = make_layout(300, 200, 8);
+  const TreeLayout layout = make_layout(300, 200, 8, 2);
   const auto tiles = random_tiles(random, layout, 0.7);
   const TileBounds bounds(layout, tiles);
   std::set<std::int64_t> there;
@@ -141,18 +146,20 @@ TEST(TileBounds, FindsEveryTileAndNoOther) {
 
 TEST(TileBounds, FloatsNeverUnderstate) {
   std::mt19937 random(3);
-  const TreeLayout layout = make_layout(300, 300, 8);
-  const auto tiles = random_tiles(random, layout, 1);
-  const TileBounds bounds(layout, tiles);
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
-    const TileNode& n = bounds.nodes()[i];
-    const auto [low, high] = heights_below(tiles, tiles[i].id);
-    EXPECT_LE(static_cast<double>(n.z_min_m), low);
-    EXPECT_GE(static_cast<double>(n.z_max_m), high);
-    EXPECT_GE(static_cast<double>(n.lod_error_m), tiles[i].lod_error_m());
-    EXPECT_NEAR(n.z_min_m, low, 1e-3);
-    EXPECT_NEAR(n.z_max_m, high, 1e-3);
-    EXPECT_NEAR(n.lod_error_m, tiles[i].lod_error_m(), 1e-4);
+  for (const int levels_per_doubling : {1, 2}) {
+    const TreeLayout layout = make_layout(300, 300, 8, levels_per_doubling);
+    const auto tiles = random_tiles(random, layout, 1);
+    const TileBounds bounds(layout, tiles);
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      const TileNode& n = bounds.nodes()[i];
+      const auto [low, high] = heights_below(layout, tiles, tiles[i].id);
+      EXPECT_LE(static_cast<double>(n.z_min_m), low);
+      EXPECT_GE(static_cast<double>(n.z_max_m), high);
+      EXPECT_GE(static_cast<double>(n.lod_error_m), tiles[i].lod_error_m());
+      EXPECT_NEAR(n.z_min_m, low, 1e-3);
+      EXPECT_NEAR(n.z_max_m, high, 1e-3);
+      EXPECT_NEAR(n.lod_error_m, tiles[i].lod_error_m(), 1e-4);
+    }
   }
 }
 
@@ -218,9 +225,14 @@ TEST(TileBounds, NonsenseIsRefused) {
 
 TEST(TileBounds, DamageIsRefusedOrStillATree) {
   std::mt19937 random(6);
-  const TreeLayout layout = make_layout(150, 90, 8);
-  const auto bytes = TileBounds(layout, random_tiles(random, layout, 0.9)).to_bytes();
+  const std::array layouts{make_layout(150, 90, 8), make_layout(150, 90, 8, 2)};
+  std::array<std::vector<std::byte>, 2> whole;
+  for (std::size_t k = 0; k < 2; ++k)
+    whole[k] = TileBounds(layouts[k], random_tiles(random, layouts[k], 0.9)).to_bytes();
   for (int i = 0; i < 20000; ++i) {
+    const std::size_t k = static_cast<std::size_t>(i) / 2 % 2;
+    const TreeLayout& layout = layouts[k];
+    const std::vector<std::byte>& bytes = whole[k];
     auto damaged = bytes;
     // Masks are where damage matters most.
     const std::size_t record = random() % (bytes.size() / 16);

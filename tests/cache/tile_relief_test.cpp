@@ -78,12 +78,12 @@ TEST(TileRelief, KnowsItsPlaceInTheTree) {
   layout.columns = 26;  // the last sample is column 25, of the second layer 6
   const codec::TileMesh mesh{0, 0, {{0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {8, 8, 0}}, {{0, 2, 3}, {0, 3, 1}}};
   const TileRelief root = make_tile_relief(layout, {0, 0, 0}, mesh, residual());
-  EXPECT_FALSE(root.has_parent);
+  EXPECT_FALSE(root.parent.has_value());
   EXPECT_TRUE(root.has_children);
   EXPECT_FLOAT_EQ(root.node_shift, 0.375F);
   EXPECT_EQ(root.on_raster, (std::array<int, 4>{2, 2, 8, 10}));
   const TileRelief leaf = make_tile_relief(layout, {2, 3, 2}, mesh, residual());
-  EXPECT_TRUE(leaf.has_parent);
+  EXPECT_EQ(leaf.parent, (codec::TileId{1, 1, 1}));
   EXPECT_FALSE(leaf.has_children);
   EXPECT_EQ(leaf.quadrant, 1);
   EXPECT_FLOAT_EQ(leaf.node_shift, 0);

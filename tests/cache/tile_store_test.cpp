@@ -303,11 +303,29 @@ TEST_F(TileStoreTest, FilesThatAreNoTree) {
 TEST_F(TileStoreTest, NewerFormatsAreRefusedByName) {
   test::write_tree(path_, small_tree());
   std::string bytes = test::read_file(path_);
-  bytes[63] = 2;
+  bytes[63] = 3;
   test::write_file(path_, bytes);
   const Error error = open_error(path_);
   EXPECT_EQ(error.code, ErrorCode::kBadData);
-  EXPECT_NE(error.message.find("version 2"), std::string::npos);
+  EXPECT_NE(error.message.find("version 3"), std::string::npos);
+}
+
+// What older programs can read says so: byte 63 is the format version.
+TEST_F(TileStoreTest, OnlyTwoLevelsADoublingRaiseTheFormat) {
+  for (const int levels : {1, 2}) {
+    TestTree tree = small_tree();
+    codec::TreeLayout& layout = tree.manifest.layout;
+    layout.levels_per_doubling = levels;
+    layout.leaf_level *= levels;
+    layout.z_step_m.assign(static_cast<std::size_t>(layout.leaf_level) + 1, layout.z_step_m[0]);
+    tree.tiles.resize(1);  // The root.
+    test::write_tree(path_, tree);
+    EXPECT_EQ(test::read_file(path_)[63], levels);
+    const auto store = TileStore::open(path_);
+    ASSERT_TRUE(store.has_value()) << store.error().text();
+    EXPECT_EQ(store->manifest().layout.levels_per_doubling, levels);
+    EXPECT_EQ(store->bounds().layout().leaf_level, layout.leaf_level);
+  }
 }
 
 TEST_F(TileStoreTest, UnknownMethodsAreRefusedByName) {

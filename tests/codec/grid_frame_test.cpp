@@ -38,12 +38,63 @@ TEST(TreeLayout, BoundDoublesWithEveryLevelUp) {
   for (int level = 0; level < l.leaf_level; ++level) EXPECT_EQ(l.bound_m(level), 2 * l.bound_m(level + 1));
 }
 
+TEST(TreeLayout, WithTwoLevelsADoublingSquaresComeInPairs) {
+  const TreeLayout one = make_layout(1000, 700, 16);
+  const TreeLayout two = make_layout(1000, 700, 16, 2);
+  ASSERT_EQ(two.leaf_level, 2 * one.leaf_level);
+  for (int level = 0; level <= one.leaf_level; ++level) {
+    EXPECT_EQ(two.bound_m(2 * level), one.bound_m(level));
+    EXPECT_EQ(two.cells_across(2 * level), one.cells_across(level));
+    EXPECT_EQ(two.halvings(2 * level), level);
+    if (level == 0) continue;
+    EXPECT_DOUBLE_EQ(two.bound_m(2 * level - 1), std::sqrt(2) * one.bound_m(level));
+    EXPECT_EQ(two.cells_across(2 * level - 1), one.cells_across(level));
+    EXPECT_EQ(two.coarsest_level(level), 2 * level - 1);
+    EXPECT_EQ(two.picture_tile({2 * level, 3, 1}), (TileId{2 * level - 1, 3, 1}));
+    EXPECT_EQ(two.picture_tile({2 * level - 1, 3, 1}), (TileId{2 * level - 1, 3, 1}));
+    EXPECT_EQ(one.picture_tile({level, 3, 1}), (TileId{level, 3, 1}));
+    EXPECT_EQ(two.is_leaf_square(2 * level - 1), level == one.leaf_level);
+  }
+}
+
+TEST(TreeLayout, ChildrenCoverTheirParentInKeyOrderAndKnowIt) {
+  std::mt19937 random(3);
+  for (int i = 0; i < 5000; ++i) {
+    const TreeLayout l = make_layout(1 << 20, 1 << 20, 16, 1 + i % 2);
+    TileId id{static_cast<int>(random() % static_cast<unsigned>(l.leaf_level)), 0, 0};
+    id.x = static_cast<std::uint32_t>(random()) % l.tiles_x(id.level);
+    id.y = static_cast<std::uint32_t>(random()) % l.tiles_y(id.level);
+    std::int64_t cells = 0;
+    for (int q = 0; q < l.child_count(id.level); ++q) {
+      const TileId child = l.child(id, q);
+      EXPECT_EQ(l.parent(child), id);
+      EXPECT_EQ(child.level, id.level + 1);
+      EXPECT_EQ(child.key(), l.child(id, 0).key() + q);
+      const CellRect outer = l.cells(id), inner = l.cells(child);
+      EXPECT_TRUE(inner.column0 >= outer.column0 && inner.column1 <= outer.column1);
+      EXPECT_TRUE(inner.row0 >= outer.row0 && inner.row1 <= outer.row1);
+      if (!inner.empty()) cells += (inner.column1 - inner.column0) * (inner.row1 - inner.row0);
+    }
+    const CellRect outer = l.cells(id);
+    EXPECT_EQ(cells, (outer.column1 - outer.column0) * (outer.row1 - outer.row0)) << id.text();
+  }
+}
+
+TEST(TreeLayout, QuadrantsGoNorthWestNorthEastSouthWestSouthEast) {
+  const TreeLayout l = make_layout(1000, 1000, 16);
+  const TileId id{3, 5, 2};
+  EXPECT_EQ(l.child(id, 0), (TileId{4, 10, 4}));
+  EXPECT_EQ(l.child(id, 1), (TileId{4, 11, 4}));
+  EXPECT_EQ(l.child(id, 2), (TileId{4, 10, 5}));
+  EXPECT_EQ(l.child(id, 3), (TileId{4, 11, 5}));
+}
+
 TEST(TreeLayout, TilesOfALevelCoverEveryCellOnce) {
   for (const auto& [columns, rows] : {std::array{65, 65}, {66, 40}, {2, 97}, {130, 3}, {64, 63}}) {
-    const TreeLayout l = make_layout(columns, rows, 8);
+    const TreeLayout l = make_layout(columns, rows, 8, columns == 66 ? 2 : 1);
     for (int level = 0; level <= l.leaf_level; ++level) {
       std::vector<int> hits(static_cast<std::size_t>((columns - 1) * (rows - 1)));
-      const std::uint32_t side = std::uint32_t{1} << level;
+      const std::uint32_t side = std::uint32_t{1} << l.halvings(level);
       for (std::uint32_t y = 0; y < side; ++y) {
         for (std::uint32_t x = 0; x < side; ++x) {
           const CellRect c = l.cells({level, x, y});

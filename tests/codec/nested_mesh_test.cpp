@@ -173,7 +173,7 @@ class NestedTileTest : public testing::TestWithParam<double> {
     std::vector<Triangle> out;
     std::size_t begin = 0;
     for (std::size_t i = 0; i < fans.size(); ++i) {
-      if (fans[i] == NestedTile::kRestart) {
+      if (fans[i] == NestedFans::kRestart) {
         begin = i + 1;
       } else if (i >= begin + 2) {
         out.push_back({fans[begin], fans[i - 1], fans[i]});
@@ -267,7 +267,7 @@ TEST_P(NestedTileTest, MorphsReachTheCoarserMeshes) {
 
 TEST_P(NestedTileTest, FansNameOnlyTheirLevelsVertices) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(kLevels); ++i) {
-    for (const std::uint32_t v : whole_.fans[i]) EXPECT_TRUE(v == NestedTile::kRestart || v < whole_.level_vertices[i]);
+    for (const std::uint32_t v : whole_.fans[i]) EXPECT_TRUE(v == NestedFans::kRestart || v < whole_.level_vertices[i]);
     EXPECT_EQ(triangles_of(whole_.fans[i]).size(), whole_.level_triangles[i]);
   }
 }

@@ -17,12 +17,13 @@
 
 namespace tintree::test {
 
-/// A small tree of regular meshes over an analytic height function, written without the builder: every
-/// level's tile has the same number of cells, so that each level up takes every second sample.
+/// A small tree of regular meshes over an analytic height function, written without the builder: each level up takes
+/// every second sample, so that with one level a doubling every level's tile has the same number of cells.
 struct AnalyticTree {
   std::int64_t columns = 129;
   std::int64_t rows = 129;
   int tile_cells = 32;
+  int levels_per_doubling = 1;
   double spacing_m = 10;
   codec::GridAxes axes = {};
   std::array<double, 6> geotransform = {};
@@ -41,12 +42,18 @@ struct AnalyticTree {
     out.columns = columns;
     out.rows = rows;
     out.tile_cells = tile_cells;
-    out.leaf_level = codec::TreeLayout::leaf_level_for(columns, rows, tile_cells);
+    out.levels_per_doubling = levels_per_doubling;
+    out.leaf_level = codec::TreeLayout::leaf_level_for(columns, rows, tile_cells, levels_per_doubling);
     out.dx_m = out.dy_m = spacing_m;
     out.axes = axes;
     out.leaf_error_m = 0.05;
     out.z_step_m.assign(static_cast<std::size_t>(out.leaf_level) + 1, 0.0625);
     return out;
+  }
+
+  /// Samples from one of the level's meshes' to the next.
+  static std::int64_t stride(const codec::TreeLayout& l, int level) {
+    return std::min(std::int64_t{1} << (l.leaf_level - level), l.cells_across(level));
   }
 
   /// Height of a sample in steps.
@@ -66,7 +73,7 @@ struct AnalyticTree {
   codec::TileMesh mesh(const codec::TileId& id) const {
     const codec::TreeLayout l = layout();
     const codec::CellRect c = l.cells(id);
-    const std::int64_t step = l.cells_across(id.level) / tile_cells;
+    const std::int64_t step = stride(l, id.level);
     const auto xs = positions(c.column0, c.column1, step);
     const auto ys = positions(c.row0, c.row1, step);
     codec::TileMesh out;
@@ -112,7 +119,7 @@ struct AnalyticTree {
   double error_m(const codec::TileId& id, bool border_only) const {
     const codec::TreeLayout l = layout();
     const codec::CellRect c = l.cells(id);
-    const std::int64_t step = l.cells_across(id.level) / tile_cells;
+    const std::int64_t step = stride(l, id.level);
     double worst = 0;
     for (std::int64_t y = c.row0; y <= c.row1; ++y) {
       for (std::int64_t x = c.column0; x <= c.column1; ++x) {

@@ -8,52 +8,67 @@
 namespace tintree::render {
 namespace {
 
-TEST(ChunkPool, HasDoublingSizesInEqualShares) {
-  const ChunkPool pool(1200, 10, 75);
-  std::map<std::size_t, std::size_t> bytes;
-  std::size_t end = 0;
-  for (const ChunkPool::Chunk& c : pool.chunks()) {
-    EXPECT_EQ(c.begin, end) << "chunks overlap, or leave gaps";
-    end += c.size;
-    bytes[c.size] += c.size;
+class ChunkPoolTest : public testing::Test {
+ protected:
+  std::size_t size_of(const ChunkPool& pool, std::optional<std::size_t> chunk) const {
+    return chunk ? pool.chunks()[*chunk].size : 0;
   }
-  EXPECT_EQ(bytes, (std::map<std::size_t, std::size_t>{{10, 300}, {20, 300}, {40, 280}, {80, 240}}));
-  EXPECT_EQ(pool.bytes(), end);
+  std::vector<std::uint64_t> put_out_;
+};
+
+TEST_F(ChunkPoolTest, MakesChunksOfDoublingSizesUpToTheBudget) {
+  ChunkPool pool(100, 10);
+  EXPECT_EQ(size_of(pool, pool.take(1, 11, 1, put_out_)), 20U);
+  EXPECT_EQ(size_of(pool, pool.take(2, 10, 1, put_out_)), 10U);
+  EXPECT_EQ(size_of(pool, pool.take(3, 41, 1, put_out_)), 0U) << "80 bytes do not fit beside 30 in use";
+  EXPECT_EQ(size_of(pool, pool.take(4, 21, 1, put_out_)), 40U);
+  EXPECT_EQ(pool.bytes(), 70U);
+  EXPECT_EQ(size_of(pool, pool.take(5, 101, 2, put_out_)), 0U) << "more than the budget";
+  EXPECT_TRUE(put_out_.empty());
 }
 
-TEST(ChunkPool, TakesTheTightestEmptyChunk) {
-  ChunkPool pool(400, 10, 80);
-  EXPECT_EQ(pool.chunks()[*pool.take(1, 11, 1)].size, 20U);
-  EXPECT_EQ(pool.chunks()[*pool.take(2, 10, 1)].size, 10U);
-  EXPECT_EQ(pool.chunks()[*pool.take(3, 80, 1)].size, 80U);
-  EXPECT_FALSE(pool.take(4, 80, 1).has_value()) << "there is one, and this frame uses it";
-  EXPECT_FALSE(pool.take(5, 81, 2).has_value()) << "none is so large";
+TEST_F(ChunkPoolTest, ReusesWhatIsEmpty) {
+  ChunkPool pool(40, 10);
+  const auto large = *pool.take(1, 35, 1, put_out_);
+  pool.give_back(large);
+  EXPECT_EQ(*pool.take(2, 5, 1, put_out_), large) << "no room is left for a tighter one";
+  EXPECT_TRUE(put_out_.empty());
 }
 
-TEST(ChunkPool, PutsOutTheOldestUnlessItIsMuchTooLarge) {
-  ChunkPool known(3, 1, 4);
-  const auto small = *known.take(1, 1, 10);
-  const auto middle = *known.take(2, 2, 8);
-  const auto large = *known.take(3, 4, 5);
+TEST_F(ChunkPoolTest, PutsOutTheOldestUnlessItIsMuchTooLarge) {
+  ChunkPool pool(7, 1);
+  const auto small = *pool.take(1, 1, 10, put_out_);
+  const auto middle = *pool.take(2, 2, 8, put_out_);
+  const auto large = *pool.take(3, 4, 5, put_out_);
   // Ages at frame 11: 1, 3, 6; for one unit they weigh 1, 1.5, 1.5.
-  EXPECT_EQ(*known.take(4, 1, 11), middle);
-  EXPECT_EQ(known.chunks()[middle].owner, 4U);
-  // 1 and 1.5 are left.
-  EXPECT_EQ(*known.take(5, 1, 11), large);
-  EXPECT_EQ(*known.take(6, 1, 11), small);
-  EXPECT_FALSE(known.take(7, 1, 11).has_value()) << "all are used in this frame";
+  EXPECT_EQ(*pool.take(4, 1, 11, put_out_), middle);
+  EXPECT_EQ(*pool.take(5, 1, 11, put_out_), large);
+  EXPECT_EQ(*pool.take(6, 1, 11, put_out_), small);
+  EXPECT_EQ(put_out_, (std::vector<std::uint64_t>{2, 3, 1}));
+  EXPECT_FALSE(pool.take(7, 1, 11, put_out_).has_value()) << "all are used in this frame";
 }
 
-TEST(ChunkPool, NeverHandsOutWhatIsInUse) {
+TEST_F(ChunkPoolTest, GivesUpSmallChunksForALargeOne) {
+  ChunkPool pool(40, 10);
+  for (std::uint64_t owner = 1; owner <= 4; ++owner) pool.take(owner, 10, owner, put_out_);
+  EXPECT_EQ(size_of(pool, pool.take(5, 20, 5, put_out_)), 20U);
+  EXPECT_EQ(put_out_, (std::vector<std::uint64_t>{1, 2}));
+  EXPECT_EQ(pool.bytes(), 40U);
+}
+
+TEST_F(ChunkPoolTest, NeverHandsOutWhatIsInUse) {
   std::mt19937 random(4);
-  ChunkPool pool(100000, 100, 5000);
+  ChunkPool pool(40000, 100);
   std::map<std::uint64_t, std::size_t> held;  // this frame's owners
   std::uint64_t owner = 0;
   for (std::uint64_t frame = 1; frame < 200; ++frame) {
     held.clear();
     for (int i = 0; i < 30; ++i) {
       const std::size_t size = 1 + random() % 5000;
-      const auto chunk = pool.take(++owner, size, frame);
+      put_out_.clear();
+      const auto chunk = pool.take(++owner, size, frame, put_out_);
+      for (const std::uint64_t out : put_out_) EXPECT_FALSE(held.contains(out));
+      EXPECT_LE(pool.bytes(), 40000U);
       if (!chunk) continue;
       EXPECT_GE(pool.chunks()[*chunk].size, size);
       for (const auto& [other, at] : held) EXPECT_NE(at, *chunk) << other;

@@ -34,9 +34,10 @@ class FarPictureTest : public OsMesaTest {
     store_.emplace(std::move(*cache::TileStore::open(path)));
   }
 
-  std::unique_ptr<TerrainScene> scene(bool impostors) const {
+  std::unique_ptr<TerrainScene> scene(bool impostors, std::size_t gpu_bytes = SceneOptions().gpu_bytes) const {
     SceneOptions options;
     options.impostors = impostors;
+    options.gpu_bytes = gpu_bytes;
     return std::move(*TerrainScene::create(gl_, *store_, options));
   }
 
@@ -118,6 +119,34 @@ TEST_F(FarPictureTest, ThePictureIsTheSameWithinAPixelAndWithoutCracks) {
     EXPECT_LT(drawn, drawn_without * 3 / 4);
     EXPECT_LT(strange, kFrames * kWidth * kHeight / 2000) << "of a thousand pixels half a one";
   }
+}
+
+// The picture comes out of the same memory as the tiles, which come first: what fits without it fits with it.
+TEST_F(FarPictureTest, GivesWayWhereMemoryIsShort) {
+  constexpr std::size_t kPictureBytes = std::size_t{8} * (kWidth * 5 / 2) * (kHeight * 5 / 2);
+  std::size_t with_a_picture = 0, without_one = 0;
+  for (const std::size_t budget : {std::size_t{1} << 19, std::size_t{1} << 21, std::size_t{1} << 23}) {
+    const auto with = scene(true, budget);
+    const auto without = scene(false, budget);
+    bool replaced = false;
+    for (int i = 0; i < 4; ++i) {
+      const Camera c = camera({200, -300 - 0.01 * i, 160}, {2000, -1900, -100});
+      const Shot shot = shoot(*with, c);
+      const Shot plain = shoot(*without, c);
+      replaced = shot.drawn.impostor_tiles > 0;
+      const std::size_t picture = with->frame_stats().gpu_bytes - with->pool().bytes();
+      if (replaced) {
+        EXPECT_EQ(picture, kPictureBytes);
+      } else if (!without->frame_stats().gpu_memory_full) {
+        EXPECT_EQ(count_strange(shot.picture, plain.picture, 0), 0) << budget;
+      }
+      EXPECT_LE(with->pool().reserved_bytes() + picture, budget);
+      EXPECT_LE(with->frame_stats().gpu_memory_full, without->frame_stats().gpu_memory_full) << budget;
+    }
+    ++(replaced ? with_a_picture : without_one);
+  }
+  EXPECT_GT(with_a_picture, 0U);
+  EXPECT_GT(without_one, 0U);
 }
 
 TEST_F(FarPictureTest, AFastFlightGoesWithoutOne) {

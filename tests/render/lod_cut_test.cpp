@@ -18,14 +18,20 @@ namespace {
 using cache::TileRef;
 using codec::TileId;
 
-class LodCutTest : public testing::Test {
+/// Over trees of one and of two levels a doubling.
+class LodCutTest : public testing::TestWithParam<int> {
  protected:
-  static void SetUpTestSuite() {
+  static cache::TileBounds make_bounds(int levels_per_doubling) {
     test::AnalyticTree tree;
     tree.columns = 300;  // Odd sizes: the tiles of the east and south are cut short.
     tree.rows = 211;
     tree.tile_cells = 16;
-    bounds_ = tree.bounds();
+    tree.levels_per_doubling = levels_per_doubling;
+    return tree.bounds();
+  }
+  static const cache::TileBounds& bounds_of(int levels_per_doubling) {
+    static const std::array<cache::TileBounds, 2> all{make_bounds(1), make_bounds(2)};
+    return all[static_cast<std::size_t>(levels_per_doubling - 1)];
   }
 
   static Camera camera(std::mt19937& random) {
@@ -36,8 +42,10 @@ class LodCutTest : public testing::Test {
     return c;
   }
 
-  static bool covers(const TileId& a, const TileId& b) {
-    return a.level <= b.level && b.x >> (b.level - a.level) == a.x && b.y >> (b.level - a.level) == a.y;
+  bool covers(const TileId& a, const TileId& b) const {
+    if (a.level > b.level) return false;
+    const int depth = bounds_.layout().halvings(b.level) - bounds_.layout().halvings(a.level);
+    return b.x >> depth == a.x && b.y >> depth == a.y;
   }
 
   const TileId& id(const DrawTile& d) const { return bounds_.nodes()[d.node].id; }
@@ -71,12 +79,14 @@ class LodCutTest : public testing::Test {
     }
   }
 
-  inline static cache::TileBounds bounds_;
+  const cache::TileBounds& bounds_ = bounds_of(GetParam());
 };
+
+INSTANTIATE_TEST_SUITE_P(LevelsPerDoubling, LodCutTest, testing::Values(1, 2));
 
 const IsResident kAll = [](std::uint32_t) { return true; };
 
-TEST_F(LodCutTest, CoversWhatIsVisibleExactlyOnceWithinTheError) {
+TEST_P(LodCutTest, CoversWhatIsVisibleExactlyOnceWithinTheError) {
   std::mt19937 random(1);
   std::set<int> levels;
   for (int i = 0; i < 60; ++i) {
@@ -99,27 +109,28 @@ TEST_F(LodCutTest, CoversWhatIsVisibleExactlyOnceWithinTheError) {
   EXPECT_GE(levels.size(), 3U);  // The test is one of several levels at once.
 }
 
-TEST_F(LodCutTest, IsTheCoarsestSuchCut) {
+TEST_P(LodCutTest, IsTheCoarsestSuchCut) {
   std::mt19937 random(2);
   for (int i = 0; i < 30; ++i) {
     const Camera c = camera(random);
     const ScreenError screen_error(c);
     for (const DrawTile& d : lod_cut(bounds_, c, {1}, kAll).draws) {
       if (id(d).level == 0) continue;
-      const cache::TileNode& parent = bounds_.nodes()[static_cast<std::size_t>(bounds_.find(id(d).parent()))];
+      const cache::TileNode& parent =
+          bounds_.nodes()[static_cast<std::size_t>(bounds_.find(bounds_.layout().parent(id(d))))];
       EXPECT_GT(screen_error.bound_px(bounds_.box(parent), static_cast<double>(parent.lod_error_m)), 1);
     }
   }
 }
 
-TEST_F(LodCutTest, AMorePatientEyeNeedsFewerTiles) {
+TEST_P(LodCutTest, AMorePatientEyeNeedsFewerTiles) {
   std::mt19937 random(3);
   const Camera c = camera(random);
   EXPECT_GE(lod_cut(bounds_, c, {0.5}, kAll).draws.size(), lod_cut(bounds_, c, {4}, kAll).draws.size());
   for (const DrawTile& d : lod_cut(bounds_, c, {0}, kAll).draws) EXPECT_EQ(bounds_.nodes()[d.node].child_mask, 0);
 }
 
-TEST_F(LodCutTest, DrawsFrontToBack) {
+TEST_P(LodCutTest, DrawsFrontToBack) {
   std::mt19937 random(4);
   for (int i = 0; i < 30; ++i) {
     const Camera c = camera(random);
@@ -151,7 +162,7 @@ TEST_F(LodCutTest, DrawsFrontToBack) {
   }
 }
 
-TEST_F(LodCutTest, WithNothingResidentAsksCoarseFirstAndDrawsNothing) {
+TEST_P(LodCutTest, WithNothingResidentAsksCoarseFirstAndDrawsNothing) {
   std::mt19937 random(5);
   const LodCut cut = lod_cut(bounds_, camera(random), {1}, [](std::uint32_t) { return false; });
   EXPECT_TRUE(cut.draws.empty());
@@ -164,7 +175,7 @@ TEST_F(LodCutTest, WithNothingResidentAsksCoarseFirstAndDrawsNothing) {
 }
 
 // Of one level the tiles in the middle of the view come first.
-TEST_F(LodCutTest, AsksForTheMiddleOfTheViewFirst) {
+TEST_P(LodCutTest, AsksForTheMiddleOfTheViewFirst) {
   std::mt19937 random(7);
   int compared = 0;
   for (int i = 0; i < 20; ++i) {
@@ -187,9 +198,9 @@ TEST_F(LodCutTest, AsksForTheMiddleOfTheViewFirst) {
 
 // Whatever subset is resident: once the root is there, nothing visible is missing, nothing is drawn twice,
 // only resident tiles are drawn, and fetching what is asked for ends in the one complete cut.
-TEST_F(LodCutTest, ParentsStandInUntilTheirChildrenHaveCome) {
+TEST_P(LodCutTest, ParentsStandInUntilTheirChildrenHaveCome) {
   std::mt19937 random(6);
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 40 / GetParam() / GetParam(); ++i) {  // Twice the levels take four times as long.
     const Camera c = camera(random);
     std::set<std::uint32_t> here{0};
     for (std::uint32_t n = 0; n < bounds_.nodes().size(); ++n) {
@@ -213,7 +224,7 @@ TEST_F(LodCutTest, ParentsStandInUntilTheirChildrenHaveCome) {
   }
 }
 
-TEST_F(LodCutTest, FinerTilesStandInForACoarseOneThatIsMissing) {
+TEST_P(LodCutTest, FinerTilesStandInForACoarseOneThatIsMissing) {
   Camera far;
   far.eye = {1500, -1000, 5e6};
   far.target = {1500, -1000, 0};
@@ -226,7 +237,7 @@ TEST_F(LodCutTest, FinerTilesStandInForACoarseOneThatIsMissing) {
 
 // Whatever is lost, all else is drawn as soon as it is there: a lost tile has a hole only where it and all above
 // it are lost, and nothing waits for what never comes.
-TEST_F(LodCutTest, GoesRoundWhatIsLost) {
+TEST_P(LodCutTest, GoesRoundWhatIsLost) {
   std::mt19937 random(8);
   const std::array<const cache::TileBounds*, 1> trees{&bounds_};
   for (int i = 0; i < 40; ++i) {
@@ -244,7 +255,7 @@ TEST_F(LodCutTest, GoesRoundWhatIsLost) {
       if (node.child_mask != 0 || !sees(c, bounds_.box(node))) continue;
       const auto times = std::ranges::count_if(cut.draws, [&](const DrawTile& d) { return covers(id(d), node.id); });
       bool forsaken = true;
-      for (TileId t = node.id;; t = t.parent()) {
+      for (TileId t = node.id;; t = bounds_.layout().parent(t)) {
         forsaken = forsaken && lost.contains(static_cast<std::uint32_t>(bounds_.find(t)));
         if (t.level == 0) break;
       }
@@ -258,7 +269,7 @@ TEST_F(LodCutTest, GoesRoundWhatIsLost) {
   }
 }
 
-TEST_F(LodCutTest, SeveralTreesAreCutEachByItself) {
+TEST_P(LodCutTest, SeveralTreesAreCutEachByItself) {
   codec::TreeLayout layout = bounds_.layout();
   layout.origin_m = {2990, 0};
   const cache::TileBounds east = bounds_.placed(layout);
@@ -283,7 +294,7 @@ TEST_F(LodCutTest, SeveralTreesAreCutEachByItself) {
   }
 }
 
-TEST_F(LodCutTest, LooksAwayAndDrawsNothing) {
+TEST_P(LodCutTest, LooksAwayAndDrawsNothing) {
   Camera away;
   away.eye = {1500, 500, 300};
   away.target = {1500, 5000, 300};

@@ -14,18 +14,24 @@ namespace {
 
 const IsResident kAll = [](std::uint32_t) { return true; };
 
-cache::TileBounds bounds() {
+cache::TileBounds bounds(int levels_per_doubling = 1) {
   test::AnalyticTree tree;
   tree.columns = 200;
   tree.rows = 170;
   tree.tile_cells = 16;
+  tree.levels_per_doubling = levels_per_doubling;
   return tree.bounds();
 }
 
+/// How many levels halve an error.
+class MorphWeightTest : public testing::TestWithParam<int> {};
+
+INSTANTIATE_TEST_SUITE_P(LevelsPerDoubling, MorphWeightTest, testing::Values(1, 2));
+
 // A tile is its parent when the parent takes its place, and itself when its children take its own: in small steps of
 // a flight a surface never jumps.
-TEST(MorphWeight, IsContinuousWhereLevelsChange) {
-  const cache::TileBounds b = bounds();
+TEST_P(MorphWeightTest, IsContinuousWhereLevelsChange) {
+  const cache::TileBounds b = bounds(GetParam());
   std::mt19937 random(2);
   std::uniform_real_distribution<double> in(0, 1);
   int merged = 0, split = 0;
@@ -53,7 +59,7 @@ TEST(MorphWeight, IsContinuousWhereLevelsChange) {
         }
         if (node.id.level == 0) continue;
         // Its parent was drawn before, or it was and the parent is now.
-        const auto parent = static_cast<std::uint32_t>(b.find(node.id.parent()));
+        const auto parent = static_cast<std::uint32_t>(b.find(b.layout().parent(node.id)));
         if (before.contains(parent)) {
           EXPECT_GT(d.morph, 0.88) << node.id.text();
           EXPECT_LT(before[parent], 0.12);
@@ -63,7 +69,7 @@ TEST(MorphWeight, IsContinuousWhereLevelsChange) {
       for (const auto& [node, weight] : before) {
         const codec::TileId& id = b.nodes()[node].id;
         if (id.level == 0) continue;
-        const auto parent = now.find(static_cast<std::uint32_t>(b.find(id.parent())));
+        const auto parent = now.find(static_cast<std::uint32_t>(b.find(b.layout().parent(id))));
         if (parent == now.end()) continue;
         EXPECT_GT(weight, 0.88) << id.text();
         EXPECT_LT(parent->second, 0.12);

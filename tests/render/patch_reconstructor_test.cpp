@@ -172,7 +172,7 @@ TEST_F(PatchReconstructorTest, NormalsAreThoseOfTheSurface) {
       const int shift = layout.leaf_level - id.level;
       TileRelief relief = make_tile_relief(layout, id, rectangle(16, 16, shift), *residual);
       relief.on_raster = {0, 0, kSide - 1, kSide - 1};
-      relief.has_parent = false;
+      relief.parent.reset();
       const GpuRelief made = reconstructor_->make(relief, 0);
       EXPECT_EQ(made.heights != 0, id.level < layout.leaf_level);
       const auto got = normals(made.normals);
@@ -244,7 +244,7 @@ TEST_F(PatchReconstructorTest, NothingIsTakenFromHolesOrFromBeyondTheRaster) {
       const auto south = static_cast<std::int32_t>(cells.row1 - cells.row0);
       TileRelief relief = make_tile_relief(layout, id, rectangle(holes ? 5 : east, holes ? 6 : south), *residual);
       EXPECT_EQ(relief.surface.empty(), !holes);
-      relief.has_parent = false;
+      relief.parent.reset();
       const GpuRelief made = reconstructor_->make(relief, 0);
       const auto got = normals(made.normals);
       for (int y = 0; y < kNodes; ++y) {

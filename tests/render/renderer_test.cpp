@@ -154,7 +154,7 @@ TEST_P(SkirtTest, FillsTheGapsBetweenLevels) {
   tree.height_m = [](double x, double y) { return 14 * std::sin(x / 13) * std::cos(y / 11) + 30 * std::sin(x / 300); };
   tree.axes = turned_axes(GetParam());
   open(tree);
-  GpuTilePool pool(gl_, std::size_t{1} << 30);
+  GpuTilePool pool(gl_, {.mesh_bytes = std::size_t{1} << 30});
   for (const codec::TileId& id : tree.tiles()) {
     ASSERT_TRUE(pool.upload({id}, cache::make_drawable(tree.layout(), id, tree.mesh(id))));
   }

@@ -45,7 +45,7 @@ TileMesh level_mesh(const NestedTile& tile, int level) {
   std::size_t begin = 0;
   const std::vector<std::uint32_t>& fans = tile.fans[i];
   for (std::size_t k = 0; k < fans.size(); ++k) {
-    if (fans[k] == NestedTile::kRestart) {
+    if (fans[k] == NestedFans::kRestart) {
       begin = k + 1;
     } else if (k >= begin + 2) {
       out.triangles.push_back({fans[begin], fans[k - 1], fans[k]});

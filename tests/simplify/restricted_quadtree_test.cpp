@@ -3,11 +3,13 @@
 #include "simplify/restricted_quadtree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <set>
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -36,6 +38,10 @@ class Quadtrees {
     LevelGrid grid = level(id.level);
     grid.bound_m = bound_m;
     return {view_, grid, id.x * grid.cells, id.y * grid.cells};
+  }
+  std::vector<RestrictedQuadtree> nested(const codec::TileId& id, int count) {
+    const LevelGrid grid = level(id.level);
+    return RestrictedQuadtree::nested(view_, grid, count, id.x * grid.cells, id.y * grid.cells);
   }
   RestrictedQuadtree tree(const codec::TileId& id) { return tree(id, layout_.bound_m(id.level)); }
 
@@ -129,22 +135,35 @@ TEST(RestrictedQuadtree, MergesTheSquaresOfAPlane) {
   EXPECT_GT(mesh.triangles.size(), 64U);
 }
 
-TEST(RestrictedQuadtree, NestsCoarseMeshesInFineOnes) {
-  const Terrain terrain = test::make_terrain(300, 200, test::rough_hills(30, 1, 0.0005, 7));
-  Quadtrees trees(terrain, 128, 0.25);
-  const codec::TileId id{trees.layout().leaf_level, 1, 0};
-  RestrictedQuadtree tree = trees.tree(id, 8);
-  for (const double bound_m : {4.0, 2.0, 1.0}) {
-    SCOPED_TRACE(bound_m);
-    RestrictedQuadtree finer = trees.tree(id, bound_m);
-    finer.add(tree);
-    for (std::int64_t y = 0; y <= 256; ++y) {
-      for (std::int64_t x = 0; x <= 256; ++x) EXPECT_LE(tree.get({x, y}), finer.get({x, y}));
+/// Nested meshes are those that are found for each bound alone.
+void expect_nested(const Terrain& terrain, int tile_cells, double error_m, int count) {
+  Quadtrees trees(terrain, tile_cells, error_m);
+  for (const codec::TileId& id : test::tiles_of(trees.layout())) {
+    SCOPED_TRACE(id.text());
+    const double finest_m = trees.layout().bound_m(id.level);
+    const std::vector<RestrictedQuadtree> nested = trees.nested(id, count);
+    ASSERT_EQ(nested.size(), static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+      SCOPED_TRACE(i);
+      const RestrictedQuadtree& tree = nested[static_cast<std::size_t>(i)];
+      const double bound_m = std::ldexp(finest_m, count - 1 - i);
+      trees.expect_sound(id, trees.mesh(tree, id), bound_m);
+      const RestrictedQuadtree alone = trees.tree(id, bound_m);
+      EXPECT_EQ(tree.vertices(), alone.vertices());
+      tree.for_each_vertex([&](const codec::SplitPoint& p) {
+        EXPECT_TRUE(alone.get(p)) << p.x << ' ' << p.y;
+        EXPECT_TRUE(i == count - 1 || nested[static_cast<std::size_t>(i) + 1].get(p)) << p.x << ' ' << p.y;
+      });
     }
-    EXPECT_GT(finer.vertices(), tree.vertices());
-    trees.expect_sound(id, trees.mesh(finer, id), bound_m);
-    tree = std::move(finer);
+    EXPECT_GE(nested.back().vertices(), nested.front().vertices());
+    if (testing::Test::HasFailure()) return;
   }
+}
+
+TEST(RestrictedQuadtree, NestsCoarseMeshesInFineOnes) {
+  expect_nested(test::make_terrain(300, 200, test::rough_hills(30, 1, 0.0005, 7)), 128, 0.5, 5);
+  expect_nested(test::make_terrain(90, 70, test::rough_hills(30, 1, 0.02, 8)), 32, 0.25, 9);
+  expect_nested(test::make_terrain(100, 140, test::rough_hills(30, 0.1, 0, 9)), 16, 0.1, 9);
 }
 
 TEST(RestrictedQuadtree, GivesEveryTriangleItsRightAngle) {

@@ -83,7 +83,7 @@ class SampleRectTest : public testing::TestWithParam<double> {
   int cut(double from, double to, std::int64_t& first) {
     const auto low = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::ceil(from)));
     const auto high = std::min<std::int64_t>(kSamples - 1, static_cast<std::int64_t>(std::floor(to)));
-    const std::int64_t count = std::min<std::int64_t>(high - low + 1, TrianglePlane::kMaxRectSamples);
+    const std::int64_t count = std::min<std::int64_t>(high - low + 1, kMaxRectSamples);
     first = count <= 0 ? low : pick(low, high + 1 - count);
     return static_cast<int>(count);
   }

@@ -100,6 +100,25 @@ TEST_P(StarFitTest, AllowsJustTheHeightsThatKeepTheBound) {
   EXPECT_TRUE(fit.heights(mesh_.vertex(0), ring_, 0.7).empty()) << "less than the least error";
 }
 
+TEST_P(StarFitTest, KnowsWhatCannotBeSpared) {
+  double least = 1e9;
+  for (std::int32_t z = -120; z <= 120; ++z) least = std::min(least, error_m(z));
+  spec_.bound_m = tested_bound_m(*terrain_.surface, {0, 0, kCells, kCells}, 2 * least);
+  StarFit fit(mesh_, distance_, spec_);
+  int left = 0;
+  for (double share = 1; share > 0.25; share -= 1.0 / 32) {
+    SCOPED_TRACE(share);
+    const HeightRange range = fit.heights(mesh_.vertex(0), ring_, share);
+    if (range.empty()) continue;
+    ++left;
+    EXPECT_GE(range.spare, 0);
+    // The least error there is takes part of the bound that is known without any fit.
+    EXPECT_LE(share - range.spare, least / spec_.bound_m + 1e-4);
+    EXPECT_TRUE(fit.heights(mesh_.vertex(0), ring_, share - range.spare - 1e-4).empty());
+  }
+  EXPECT_GT(left, 8);
+}
+
 TEST_P(StarFitTest, KnowsAFoldedStar) {
   StarFit fit(mesh_, distance_, spec_);
   const std::int32_t n = kCells * 2;

@@ -270,13 +270,15 @@ Terrain make_exact_terrain(int columns, int rows, const HeightFunction& height) 
   return read_terrain(path);
 }
 
-Expected<codec::TreeLayout> plan_layout(const Terrain& terrain, int tile_cells, double leaf_error_m) {
+Expected<codec::TreeLayout> plan_layout(const Terrain& terrain, int tile_cells, double leaf_error_m,
+                                        int levels_per_doubling) {
   const cache::RasterInfo& info = terrain.surface->blocks().source().info();
   codec::TreeLayout layout;
   layout.columns = terrain.grid.columns;
   layout.rows = terrain.grid.rows;
   layout.tile_cells = tile_cells;
-  layout.leaf_level = codec::TreeLayout::leaf_level_for(layout.columns, layout.rows, tile_cells);
+  layout.levels_per_doubling = levels_per_doubling;
+  layout.leaf_level = codec::TreeLayout::leaf_level_for(layout.columns, layout.rows, tile_cells, levels_per_doubling);
   layout.dx_m = info.dx_m;
   layout.dy_m = info.dy_m;
   layout.leaf_error_m = leaf_error_m;
@@ -286,8 +288,8 @@ Expected<codec::TreeLayout> plan_layout(const Terrain& terrain, int tile_cells, 
   return layout;
 }
 
-codec::TreeLayout make_layout(const Terrain& terrain, int tile_cells, double leaf_error_m) {
-  auto layout = plan_layout(terrain, tile_cells, leaf_error_m);
+codec::TreeLayout make_layout(const Terrain& terrain, int tile_cells, double leaf_error_m, int levels_per_doubling) {
+  auto layout = plan_layout(terrain, tile_cells, leaf_error_m, levels_per_doubling);
   if (!layout) throw std::runtime_error(layout.error().text());
   return std::move(*layout);
 }

@@ -28,9 +28,10 @@ Terrain make_exact_terrain(int columns, int rows, const HeightFunction& height);
 Terrain read_terrain(const std::string& path);
 
 /// A layout for a terrain with the height steps that a build would choose; fails where the build would.
-Expected<codec::TreeLayout> plan_layout(const Terrain& terrain, int tile_cells, double leaf_error_m);
+Expected<codec::TreeLayout> plan_layout(const Terrain& terrain, int tile_cells, double leaf_error_m,
+                                        int levels_per_doubling = 1);
 /// The same; throws std::runtime_error.
-codec::TreeLayout make_layout(const Terrain& terrain, int tile_cells, double leaf_error_m);
+codec::TreeLayout make_layout(const Terrain& terrain, int tile_cells, double leaf_error_m, int levels_per_doubling = 1);
 
 /// Every tile of the layout, whether or not it holds surface.
 std::vector<codec::TileId> tiles_of(const codec::TreeLayout& layout);

@@ -100,16 +100,16 @@ TEST(SurfaceWindow, PatchesBoundTheSquareOfTheirCell) {
   EXPECT_GT(bounded, 150);
 }
 
-TEST(SurfaceWindow, HoldsWhatLiesInTheRaster) {
+TEST(SurfaceWindow, KnowsWhereTheRasterLies) {
   const Terrain terrain = test::make_terrain(60, 40, [](int, int) { return 1.0; });
   SurfaceView view(*terrain.surface);
-  const SurfaceWindow window(view, 8, -4);
-  EXPECT_TRUE(window.holds(-8, 4, 51, 43)) << "all of it";
-  EXPECT_TRUE(window.holds(51, 43, 51, 43)) << "the last sample";
-  EXPECT_FALSE(window.holds(-8.25, 4, 51, 43));
-  EXPECT_FALSE(window.holds(-8, 3.75, 51, 43));
-  EXPECT_FALSE(window.holds(-8, 4, 51.25, 43));
-  EXPECT_FALSE(window.holds(-8, 4, 51, 43.25));
+  const Extent raster = SurfaceWindow(view, 8, -4).extent();
+  EXPECT_TRUE(raster.holds({-8, 4, 51, 43})) << "all of it";
+  EXPECT_TRUE(raster.holds({51, 43, 51, 43})) << "the last sample";
+  EXPECT_FALSE(raster.holds({-8.25, 4, 51, 43}));
+  EXPECT_FALSE(raster.holds({-8, 3.75, 51, 43}));
+  EXPECT_FALSE(raster.holds({-8, 4, 51.25, 43}));
+  EXPECT_FALSE(raster.holds({-8, 4, 51, 43.25}));
 }
 
 }  // namespace

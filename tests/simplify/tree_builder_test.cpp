@@ -29,10 +29,10 @@ class TreeBuilderTest : public testing::Test {
  protected:
   TreeBuilderTest() { use(test::make_terrain(180, 140, test::rough_hills(30, 1, 0.01)), 16, 1); }
 
-  void use(Terrain terrain, int tile_cells, double error_m) {
+  void use(Terrain terrain, int tile_cells, double error_m, int levels_per_doubling = 1) {
     terrain_ = std::move(terrain);
     manifest_ = {};
-    manifest_.layout = test::make_layout(terrain_, tile_cells, error_m);
+    manifest_.layout = test::make_layout(terrain_, tile_cells, error_m, levels_per_doubling);
     manifest_.geotransform = {0, 1, 0, 0, 0, -1};
     manifest_.inputs = {{"dem.tif", 1, 1}};
     manifest_.samples_digest = terrain_.surface->digest();
@@ -140,6 +140,11 @@ TEST_F(TreeBuilderTest, GoesOnAfterAStop) {
     EXPECT_TRUE(first_done == 0 || first_done == kept + 1) << first_done;
     std::filesystem::remove(path());
   }
+}
+
+TEST_F(TreeBuilderTest, StoresTrueFiguresOfTwoLevelsADoubling) {
+  use(test::make_terrain(150, 60, test::rough_hills(30, 1, 0.05, 2)), 8, 2, 2);
+  expect_true_figures();
 }
 
 TEST_F(TreeBuilderTest, KeepsEveryTileThatItReports) {

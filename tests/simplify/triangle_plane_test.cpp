@@ -48,8 +48,8 @@ TEST(TrianglePlane, TellsSamplesInsideFromOutsideInAnySize) {
         const Corner& q = t[k];
         const std::int64_t length = std::abs(p.x - q.x) + std::abs(p.y - q.y);
         const std::int64_t margin = length <= 1 << 20 ? 0 : length >> 16;
-        for (std::int32_t j = 0; j < TrianglePlane::kMaxRectSamples; ++j) {
-          for (std::int32_t i = 0; i < TrianglePlane::kMaxRectSamples; ++i) {
+        for (std::int32_t j = 0; j < kMaxRectSamples; ++j) {
+          for (std::int32_t i = 0; i < kMaxRectSamples; ++i) {
             const std::int64_t value = std::int64_t{rect.sides[k].start} + std::int64_t{rect.sides[k].per_column} * i +
                                        std::int64_t{rect.sides[k].per_row} * j;
             ASSERT_LT(std::abs(value), std::int64_t{1} << 31) << "overflows";

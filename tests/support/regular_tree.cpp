@@ -43,7 +43,7 @@ class MeshMaker {
     mesh_ = {};
     mesh_.xy_shift = options_.xy_shift;
     step_m_ = layout_.z_step_m[static_cast<std::size_t>(id.level)];
-    const std::int64_t stride = options_.coarsen && !holes_ ? std::int64_t{1} << (layout_.leaf_level - id.level) : 1;
+    const std::int64_t stride = options_.coarsen && !holes_ ? layout_.cells_across(id.level) / layout_.tile_cells : 1;
     mesh_.z_offset = lowest();
     index_.clear();
     const auto columns = stations(cells_.column0, cells_.column1, stride);
@@ -162,7 +162,9 @@ cache::Manifest make_manifest(const cache::RasterSource& source, const RegularTr
   m.layout.columns = info.columns;
   m.layout.rows = info.rows;
   m.layout.tile_cells = options.tile_cells;
-  m.layout.leaf_level = codec::TreeLayout::leaf_level_for(info.columns, info.rows, options.tile_cells);
+  m.layout.levels_per_doubling = options.levels_per_doubling;
+  m.layout.leaf_level =
+      codec::TreeLayout::leaf_level_for(info.columns, info.rows, options.tile_cells, options.levels_per_doubling);
   m.layout.dx_m = info.dx_m;
   m.layout.dy_m = info.dy_m;
   m.layout.axes = info.axes;
@@ -219,7 +221,7 @@ TestTree make_regular_tree(const cache::RasterSource& source, const RegularTreeO
                      f.error_m,
                      f.rms_m,
                      f.border_error_m};
-        needed = std::max(needed, std::ldexp(f.error_m, level - layout.leaf_level));
+        needed = std::max(needed, f.error_m * layout.leaf_error_m / layout.bound_m(level));
         tree.tiles.push_back(std::move(tile));
       }
     }

@@ -12,10 +12,11 @@ namespace tintree::test {
 /// How to make a tree of regular meshes.
 struct RegularTreeOptions {
   int tile_cells = 16;
+  int levels_per_doubling = 1;  ///< With 2, tiles on the same square have the same mesh.
   /// Leaf bound; 0 takes the smallest that all levels keep.
   double leaf_error_m = 0;
   double z_step_m = 1.0 / 256;
-  /// Upper levels take every second sample of the level below. On a raster with holes, and without this,
+  /// Tiles twice as wide take every second sample. On a raster with holes, and without this,
   /// all levels hold every sample.
   bool coarsen = true;
   /// Address steps of leaf tiles: 2^xy_shift samples, 0 to -3.

@@ -24,11 +24,11 @@ TEST(LevelGap, DoesNotCountWhereOneLineHasAHole) {
 
 TEST(LevelGap, FindsTheTileBehindASide) {
   LevelLines coarse;
-  coarse.level = 1;
+  coarse.level = coarse.halvings = 1;
   coarse.tiles_x = 2;
   coarse.east.resize(4);
   coarse.south.resize(4);
-  const auto behind = [&](const codec::TileId& fine, Side side) { return coarse_neighbour(coarse, fine, side); };
+  const auto behind = [&](const codec::TileId& fine, Side side) { return coarse_neighbour(coarse, fine, 3, side); };
   // Level 3: four tiles across one of level 1.
   EXPECT_EQ(behind({3, 4, 1}, kWest)->tile, (codec::TileId{1, 0, 0}));
   EXPECT_EQ(behind({3, 4, 1}, kWest)->line, &coarse.east[0]);
@@ -40,6 +40,10 @@ TEST(LevelGap, FindsTheTileBehindASide) {
   EXPECT_FALSE(behind({3, 0, 0}, kWest));
   EXPECT_FALSE(behind({3, 7, 0}, kEast));
   EXPECT_FALSE(behind({3, 7, 7}, kSouth));
+  // A finer level on the same squares.
+  EXPECT_EQ(coarse_neighbour(coarse, {2, 1, 0}, 1, kWest)->tile, (codec::TileId{1, 0, 0}));
+  EXPECT_EQ(coarse_neighbour(coarse, {2, 1, 0}, 1, kWest)->line, &coarse.east[0]);
+  EXPECT_FALSE(coarse_neighbour(coarse, {2, 1, 0}, 1, kEast));
 }
 
 }  // namespace

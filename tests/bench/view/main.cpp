@@ -1,6 +1,6 @@
 /// bench_view: every Nth view of a flight, against the full-resolution surface (the audit's measure), against drawing
-/// the same triangles from one static buffer, and with and without looking for what nearer ground hides. Prints one
-/// line of JSON; scripts/bench view reads it.
+/// the same triangles from one static buffer, and with and without looking for what nearer ground hides; or, with
+/// --impostors, against the surface alone. Prints one line of JSON; scripts/bench view reads it.
 
 #include <algorithm>
 #include <array>
@@ -37,12 +37,13 @@ struct Options {
   int width_px = 1280;
   int height_px = 720;
   int repeats = 7;
+  bool impostors = false;
 };
 
-std::vector<render::Camera> cameras(const render::Flight& flight, const Options& o) {
+std::vector<render::Camera> cameras(const render::Flight& flight, const Options& o, int every) {
   std::vector<render::Camera> out;
   const auto frames = static_cast<int>(std::floor((flight.end_s() - flight.begin_s()) * o.fps + 1e-9));
-  for (int i = 0; i <= frames; i += o.every)
+  for (int i = 0; i <= frames; i += every)
     out.push_back(flight.at(flight.begin_s() + i / o.fps, o.width_px, o.height_px));
   return out;
 }
@@ -167,6 +168,8 @@ Expected<nlohmann::json> against_surface(const cache::TileStore& store, const st
   audit::ImageOptions options;
   options.width_px = o.width_px;
   options.height_px = o.height_px;
+  options.impostors = o.impostors;
+  options.compared_every = o.impostors ? o.every : 1;
   std::vector<audit::Violation> violations;
   const auto choose = [&](double) {
     std::vector<audit::Viewpoint> out;
@@ -175,11 +178,12 @@ Expected<nlohmann::json> against_surface(const cache::TileStore& store, const st
   };
   const auto report = audit::audit_views(context, options, choose, violations);
   if (!report) return tl::unexpected(report.error());
-  std::uint64_t cracks = 0, silhouette = 0;
+  std::uint64_t cracks = 0, silhouette = 0, with_impostor = 0;
   double shift = 0, share = 0, drawn = 0, limit = 0;
   for (const audit::ViewReport& v : report->views) {
     cracks += v.crack_px;
     silhouette += v.silhouette_px;
+    with_impostor += v.impostor_tiles > 0 ? 1 : 0;
     shift = std::max(shift, v.shift_max_px);
     share = std::max(share, v.shift_max_px / v.limit_px);
     drawn = std::max(drawn, v.drawn_max_px);
@@ -192,6 +196,7 @@ Expected<nlohmann::json> against_surface(const cache::TileStore& store, const st
                         {"limit_px", limit},
                         {"shift_of_limit", share},
                         {"drawn_max_px", drawn},
+                        {"with_impostor", with_impostor},
                         {"violations", violations.size()}};
 }
 
@@ -200,7 +205,14 @@ Expected<void> run(const Options& o) {
   if (!store) return tl::unexpected(store.error());
   const auto flight = render::Flight::load(o.flight);
   if (!flight) return tl::unexpected(flight.error());
-  const auto views = cameras(*flight, o);
+  // An impostor lives by the frames before.
+  const auto views = cameras(*flight, o, o.impostors ? 1 : o.every);
+  if (o.impostors) {
+    const auto image = against_surface(*store, views, o);
+    if (!image) return tl::unexpected(image.error());
+    fmt::print("{}\n", image->dump());
+    return {};
+  }
   const auto cost = against_static(*store, views, o);
   if (!cost) return tl::unexpected(cost.error());
   const auto occlusion = of_occlusion(*store, views, o);
@@ -228,6 +240,7 @@ int main(int argc, char** argv) {
   app.add_option("--headless", o.headless)->check(CLI::IsMember({"osmesa", "egl"}));
   app.add_option("--fps", o.fps);
   app.add_option("--every", o.every)->check(CLI::PositiveNumber);
+  app.add_flag("--impostors", o.impostors, "Fly with them and compare pictures alone")->needs("--dem");
   app.add_option("--width", o.width_px);
   app.add_option("--height", o.height_px);
   return app::run_program(app, argc, argv, [&] { return bench::run(o); });

@@ -60,7 +60,7 @@ cache::Box box_of(render::TerrainScene& scene, const render::LodCut& cut) {
 
 }  // namespace
 
-StaticScene::StaticScene(const render::GlFunctions& gl) : pool_(gl, kPoolBytes) {}
+StaticScene::StaticScene(const render::GlFunctions& gl) : pool_(gl, {.mesh_bytes = kPoolBytes}) {}
 
 Expected<std::unique_ptr<StaticScene>> StaticScene::bake(const render::GlFunctions& gl, render::TerrainScene& scene,
                                                          const render::LodCut& cut) {
