@@ -69,9 +69,11 @@ Expected<void> check_scale(const codec::TreeLayout& layout, double farthest_m) {
                             layout.leaf_error_m, kLeastError));
   }
   if (layout.bound_m(0) > kMostError) {
+    codec::TreeLayout of_a_metre = layout;  // The bound itself may be infinite.
+    of_a_metre.leaf_error_m = 1;
     return fail(ErrorCode::kUsage,
                 fmt::format("an error of {:.3g} m is too large to compute with; choose --error {:.3g} or less",
-                            layout.leaf_error_m, 0.9 * kMostError / layout.bound_m(0) * layout.leaf_error_m));
+                            layout.leaf_error_m, 0.9 * kMostError / of_a_metre.bound_m(0)));
   }
   return {};
 }
