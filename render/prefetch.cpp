@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/geometric.hpp>
+
 #include "render/screen_error.h"
 
 namespace tintree::render {
@@ -103,10 +105,21 @@ void CameraTrail::add(double seconds, const Camera& camera) {
 Camera CameraTrail::ahead(double seconds) const {
   Camera out = last_;
   if (places_.size() < 2 || !(places_.back().seconds > places_.front().seconds)) return out;
-  const glm::dvec3 velocity =
-      (places_.back().eye - places_.front().eye) / (places_.back().seconds - places_.front().seconds);
-  out.eye += velocity * seconds;
-  out.target += velocity * seconds;
+  const Place& first = places_.front();
+  const Place& last = places_.back();
+  const double span = last.seconds - first.seconds;
+  const glm::dvec3 velocity = (last.eye - first.eye) / span;
+  glm::dvec3 way = velocity * seconds;
+  const Place& middle = places_[places_.size() / 2];
+  if (first.seconds < middle.seconds && middle.seconds < last.seconds) {
+    // Newton's form: the second divided difference bends the chord.
+    const glm::dvec3 before = (middle.eye - first.eye) / (middle.seconds - first.seconds);
+    const glm::dvec3 bend = (velocity - before) / (last.seconds - middle.seconds) * seconds * (seconds + span);
+    const double length = glm::length(bend);
+    if (length > 0) way += bend * std::min(1.0, glm::length(velocity) * seconds / length);
+  }
+  out.eye += way;
+  out.target += way;
   return out;
 }
 

@@ -15,8 +15,10 @@ class CameraTrail {
  public:
   /// `seconds` by any clock that does not run backward; the last half second is remembered.
   void add(double seconds, const Camera& camera);
-  /// The last camera, moved on by its mean velocity over what is remembered; it looks the same way. A single place,
-  /// or a jump of the clock, gives no velocity.
+  /// The last camera, moved on along the parabola through the first, the middle and the last place that is remembered
+  /// (Schneider and Westermann 2006, section 6: a spline through its past); it looks the same way. The parabola bends
+  /// away from the straight way no farther than that goes, so that a trembling hand does not throw it far. A single
+  /// place, or a jump of the clock, leaves the camera where it is.
   Camera ahead(double seconds) const;
 
  private:

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <set>
 
 #include <glm/geometric.hpp>
@@ -25,6 +26,38 @@ TEST(CameraTrail, GoesOnAsItWent) {
   const Camera ahead = trail.ahead(2);
   EXPECT_NEAR(glm::distance(ahead.eye, c.eye + glm::dvec3(200, -60, 0)), 0, 1e-6);
   EXPECT_NEAR(glm::distance(ahead.target - ahead.eye, glm::dvec3(0, 100, -20)), 0, 1e-6);
+}
+
+TEST(CameraTrail, FollowsACurve) {
+  const auto place = [](double seconds) {
+    return glm::dvec3(1000 * std::cos(0.4 * seconds), 1000 * std::sin(0.4 * seconds), 300 + 20 * seconds);
+  };
+  CameraTrail trail;
+  Camera c;
+  for (int i = 0; i <= 120; ++i) {
+    c.eye = place(i / 60.0);
+    trail.add(i / 60.0, c);
+  }
+  const glm::dvec3 straight = c.eye + (place(2) - place(1.5)) / 0.5;
+  EXPECT_LT(glm::distance(trail.ahead(1).eye, place(3)), 0.2 * glm::distance(straight, place(3)));
+}
+
+TEST(CameraTrail, ATremblingHandDoesNotThrowItFar) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> tremble(-1, 1);
+  CameraTrail trail;
+  Camera c;
+  glm::dvec3 first(0);
+  for (int i = 0; i <= 30; ++i) {
+    c.eye = glm::dvec3(2 * i, 0, 100) + glm::dvec3(tremble(random), tremble(random), tremble(random));
+    trail.add(i / 60.0, c);
+    const double passed = i / 60.0;
+    if (i == 0) {
+      first = c.eye;
+      continue;
+    }
+    EXPECT_LE(glm::distance(trail.ahead(1).eye, c.eye), 2 * glm::distance(c.eye, first) / passed + 1e-9);
+  }
 }
 
 TEST(CameraTrail, OnePlaceOrAJumpOfTheClockGivesNoVelocity) {
