@@ -100,6 +100,10 @@ Expected<nlohmann::json> against_static(const cache::TileStore& store, const std
                         {"ratio", scene_seconds / static_seconds}};
 }
 
+/// Three ways of each view, loading included, are slow: fewer views, less often.
+constexpr int kWayEvery = 6;
+constexpr int kWayRepeats = 3;
+
 /// A flight over these views once for each way to look for what nearer ground hides, in turn; the least processor time
 /// of all threads that a frame took.
 Expected<nlohmann::json> of_occlusion(const cache::TileStore& store, const std::vector<render::Camera>& views,
@@ -125,7 +129,7 @@ Expected<nlohmann::json> of_occlusion(const cache::TileStore& store, const std::
   std::array<Way, 3> ways{{{"off", render::Occlusion::kOff},
                            {"where_it_pays", render::Occlusion::kWhereItPays},
                            {"always", render::Occlusion::kAlways}}};
-  for (int repeat = 0; repeat < o.repeats; ++repeat) {
+  for (int repeat = 0; repeat < kWayRepeats; ++repeat) {
     for (Way& way : ways) {
       scene.occlusion() = way.wish;
       way.hidden = way.triangles = 0;
@@ -215,7 +219,7 @@ Expected<void> run(const Options& o) {
   }
   const auto cost = against_static(*store, views, o);
   if (!cost) return tl::unexpected(cost.error());
-  const auto occlusion = of_occlusion(*store, views, o);
+  const auto occlusion = of_occlusion(*store, cameras(*flight, o, kWayEvery * o.every), o);
   if (!occlusion) return tl::unexpected(occlusion.error());
   nlohmann::json out{{"cost", *cost}, {"occlusion", *occlusion}};
   if (!o.dem.empty()) {
