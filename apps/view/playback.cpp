@@ -26,7 +26,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kSamples = 4;
-constexpr std::size_t kUploadBytes = std::size_t{8} << 20;
 
 struct Frame {
   double flight_seconds = 0;  ///< Where on the flight.
@@ -209,13 +208,7 @@ Expected<void> play_flight(const render::GlFunctions& gl, render::TerrainScene::
   if (auto made = make_folder(options.frames); !made) return made;
   const auto target = render::OffscreenTarget::create(gl, options.width_px, options.height_px, kSamples);
   if (!target) return tl::unexpected(target.error());
-  render::SceneOptions scene_options;
-  scene_options.cut.pixel_error = options.pixel_error;
-  scene_options.cut.morph = options.morph;
-  scene_options.impostors = options.impostors;
-  scene_options.gpu_bytes = options.gpu_bytes;
-  scene_options.upload_bytes = kUploadBytes;
-  const auto scene = render::TerrainScene::create(gl, stores, scene_options);
+  const auto scene = render::TerrainScene::create(gl, stores, scene_options(options));
   if (!scene) return tl::unexpected(scene.error());
   Playback playback(gl, **scene, *target, *flight, options);
   if (auto played = playback.run(); !played) return played;

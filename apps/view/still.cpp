@@ -78,11 +78,9 @@ Expected<void> draw_still(const render::GlFunctions& gl, render::TerrainScene::S
                           const ViewOptions& options, Clock::time_point begun) {
   const auto target = render::OffscreenTarget::create(gl, options.width_px, options.height_px, kSamples);
   if (!target) return tl::unexpected(target.error());
-  render::SceneOptions scene_options;
-  scene_options.cut.pixel_error = options.pixel_error;
-  scene_options.cut.morph = options.morph;
-  scene_options.gpu_bytes = options.gpu_bytes;
-  const auto scene = render::TerrainScene::create(gl, stores, scene_options);
+  render::SceneOptions wanted = scene_options(options);
+  wanted.impostors = false;  // They would be drawn for one picture.
+  const auto scene = render::TerrainScene::create(gl, stores, wanted);
   if (!scene) return tl::unexpected(scene.error());
   const auto camera = first_camera(options, (*scene)->trees());
   if (!camera) return tl::unexpected(camera.error());

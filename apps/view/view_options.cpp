@@ -17,6 +17,7 @@ constexpr double kElevation = 38 * std::numbers::pi / 180;
 constexpr double kAzimuth = std::numbers::pi;  // South.
 constexpr int kMostPixels = 16384;
 constexpr int kMostGpuMib = 1 << 20;
+constexpr std::size_t kUploadBytes = std::size_t{8} << 20;  // a frame
 
 template <typename Number>
 bool take_number(std::string_view& text, Number& out) {
@@ -151,6 +152,16 @@ Expected<ViewOptions> read_options(const CommandLine& line) {
   if (!target) return tl::unexpected(target.error());
   out.eye = *eye;
   out.target = *target;
+  return out;
+}
+
+render::SceneOptions scene_options(const ViewOptions& options) {
+  render::SceneOptions out;
+  out.cut.pixel_error = options.pixel_error;
+  out.cut.morph = options.morph;
+  out.impostors = options.impostors;
+  out.gpu_bytes = options.gpu_bytes;
+  out.upload_bytes = kUploadBytes;
   return out;
 }
 

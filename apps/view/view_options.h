@@ -8,9 +8,9 @@
 #include "codec/error.h"
 #include "render/camera.h"
 #include "render/gl_context.h"
-#include "render/renderer.h"
 #include "render/lod_cut.h"
 #include "render/renderer.h"
+#include "render/terrain_scene.h"
 
 namespace tintree::view {
 
@@ -62,6 +62,9 @@ struct ViewOptions {
 
 /// Fails with kUsage and names the option that makes no sense.
 Expected<ViewOptions> read_options(const CommandLine& line);
+
+/// The scene that the options ask for, for a camera that moves.
+render::SceneOptions scene_options(const ViewOptions& options);
 
 /// The view that the options ask for. Without an eye: the whole terrain from the south, 38 degrees above
 /// the horizon (or, with a target alone, from that side at a third of the terrain's size); without a

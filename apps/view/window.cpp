@@ -18,8 +18,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kUploadBytes = std::size_t{8} << 20;
-
 nlohmann::ordered_json to_json(const Viewer::Summary& s, const cache::TileStore& store, Clock::time_point begun,
                                const std::string& renderer) {
   const render::Camera& c = s.camera;
@@ -42,13 +40,7 @@ nlohmann::ordered_json to_json(const Viewer::Summary& s, const cache::TileStore&
 
 Expected<void> show(GlfwWindow& window, const render::GlFunctions& gl, render::TerrainScene::Stores stores,
                     const ViewOptions& options, std::optional<render::Flight> flight, Clock::time_point begun) {
-  render::SceneOptions scene_options;
-  scene_options.cut.pixel_error = options.pixel_error;
-  scene_options.cut.morph = options.morph;
-  scene_options.impostors = options.impostors;
-  scene_options.gpu_bytes = options.gpu_bytes;
-  scene_options.upload_bytes = kUploadBytes;
-  const auto scene = render::TerrainScene::create(gl, stores, scene_options);
+  const auto scene = render::TerrainScene::create(gl, stores, scene_options(options));
   if (!scene) return tl::unexpected(scene.error());
   const auto camera = first_camera(options, (*scene)->trees());
   if (!camera) return tl::unexpected(camera.error());
