@@ -96,9 +96,7 @@ def jpeg2000(raster, error_m, key="samples_max_m"):
         options = [*fixed, f"REVERSIBLE={reversible}", f"QUALITY={100 / inverse_rate:.6g}"]
         return _code(raster, steps.numbers, kind, steps.step_m, steps.base_m, "JP2OpenJPEG", options)
 
-    # Whole metres are off by whole metres: a search for the fraction would never end.
-    bound = math.floor(error_m) if steps.whole and key == "samples_max_m" and error_m >= 1 else error_m
-    return largest_within(make, bound, start=16, low=1, high=4000, steps=8, key=key) or make(1, "YES")
+    return largest_within(make, error_m, start=16, low=1, high=4000, steps=8, key=key) or make(1, "YES")
 
 
 def jpeg2000_rms(raster, error_m):
