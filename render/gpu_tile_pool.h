@@ -14,8 +14,8 @@
 #include "cache/tile_ref.h"
 #include "codec/grid_frame.h"
 #include "render/gl_functions.h"
-#include "render/patch_reconstructor.h"
 #include "render/nested_chunks.h"
+#include "render/patch_reconstructor.h"
 #include "render/picture_textures.h"
 #include "render/range_allocator.h"
 

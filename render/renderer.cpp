@@ -144,8 +144,10 @@ DrawStats Renderer::draw_ground(const Camera& camera, Trees trees, const LodCut&
   if (style.wireframe) gl_->PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
   begin(terrain_, camera, trees, cut, style);
   draw_meshes(camera, trees, cut, pool, style, stats);
-  begin(nested_.program(), camera, trees, cut, style);
-  nested_.draw(camera, trees, cut, pool, style, stats);
+  if (pool.nested().reserved_bytes() > 0) {
+    begin(nested_.program(), camera, trees, cut, style);
+    nested_.draw(camera, trees, cut, pool, style, stats);
+  }
   gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   gl_->BindVertexArray(0);
   return stats;
