@@ -7,19 +7,21 @@ from osgeo import gdal
 from programs import CACHE
 
 KMH = 1 / 3.6
+UNITS_M = {"": 1.0, "ft": 0.3048}  # of heights, as GDAL names them
 
 
 def _ground(raster):
     """Greatest height within a window of samples round a place: (column share, row share, samples) -> metres."""
     dem = gdal.Open(str(raster.path))
     columns, rows = raster.size
-    nodata = dem.GetRasterBand(1).GetNoDataValue()
+    band = dem.GetRasterBand(1)
+    nodata, unit_m = band.GetNoDataValue(), UNITS_M[band.GetUnitType()]
 
     def highest(u, v, reach):
         c0, r0 = (max(0, min(n - 1, round(share * (n - 1))) - reach) for share, n in ((u, columns), (v, rows)))
         window = dem.ReadAsArray(c0, r0, min(2 * reach + 1, columns - c0), min(2 * reach + 1, rows - r0))
         valid = window[window != nodata]
-        return float(valid.max()) if valid.size else 0.0
+        return unit_m * float(valid.max()) if valid.size else 0.0
 
     return highest
 

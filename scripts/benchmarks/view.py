@@ -14,6 +14,7 @@ from results import PATH, Results, number, print_table
 
 SIDES = (1025, 2049, 4097, 8193)
 AUTZEN = "autzen_dsm_2ft_raw.tif"
+PHOTOS = {AUTZEN: "autzen.jpg"}
 EVERY = 20  # frames between those that are compared with the surface
 STILLS = 61  # frames of a standing view
 
@@ -52,7 +53,9 @@ def slow_flights(args, seconds):
 def build(raster, error_m):
     tree = CACHE / f"view_{raster.path.stem}_{error_m:g}.tintree"
     if not tree.exists() or tree.stat().st_mtime < (BIN / "tintree-build").stat().st_mtime:
-        run(BIN / "tintree-build", raster.path, "-o", tree, "--error", error_m, "--overwrite", "--quiet")
+        photo = PHOTOS.get(raster.path.name)
+        run(BIN / "tintree-build", raster.path, "-o", tree, "--error", error_m, "--overwrite", "--quiet",
+            *(["--ortho", raster.path.with_name(photo)] if photo else []))
     return tree
 
 

@@ -37,6 +37,9 @@ def measured(args, charts):
     if not rasters:
         sys.exit(f"scripts/chart: no DEM of scripts/charts/windows.py in {args.data}; name the folder that has them: --data DIR")
     kinds = {panel.kind for chart in charts for panel in chart.panels}
+    if "size" in kinds:
+        sizes = windows.QUICK_SIZES if args.quick else windows.SIZES
+        rasters |= {size: raster for size in sizes if (raster := windows.size_raster(size, args.data))}
     sweep = Sweep(rasters, Memo(OWN / "cache.jsonl"))
     sweep.run(tasks(list(rasters), kinds, args.quick))
     return sweep

@@ -69,3 +69,10 @@ def view(series, raster, error_m, pixel_error, key):
         tintree.build(raster, "--error", repr(error_m), "--threads", "1", "--tile", VIEW_TILE, *series.options)
         _kept_tree(key)
     return frame(tree, pixel_error)
+
+
+def size(series, raster):
+    """The whole build of a raster, all levels at the default error."""
+    report, cost = tintree.build(raster, *series.options)
+    return {"samples": raster.samples, "wall_s": report["seconds"], "cpu_seconds": cost.cpu_seconds, "tree_bytes": report["bytes"],
+            "peak_rss_bytes": cost.peak_rss_bytes, "command": cost.command}

@@ -23,15 +23,16 @@ class Series:
     seconds: float = 3  # to expect of a measurement that was never made
     terrains: tuple = ()  # measured on these alone, and
     errors: tuple = ()  # at these errors alone (in sample spacings), where it is too slow for all
+    most_samples: float = 1e8  # of trees whose whole build is measured
 
     @property
     def line(self):
         return {"tree": "-", "mesh": "--", "raster": ":"}[self.kind]
 
 
-def _tree(name, color, marker, *options):
+def _tree(name, color, marker, *options, **size):
     programs = (BIN / "tintree-build", BIN / "tintree-export", BIN / "bench_decode", *_METER)
-    return Series(name, "tree", color, marker, options, programs)
+    return Series(name, "tree", color, marker, options, programs, **size)
 
 
 def _mesh(name, color, marker, *programs, **slow):
@@ -45,10 +46,10 @@ def _raster(name, color, marker):
 _NODE = (BENCH / "simplify.js", BENCH / "package-lock.json")
 
 SERIES = [
-    _tree("tintree fast", "#0072B2", "o", "--effort", "fast"),
+    _tree("tintree fast", "#0072B2", "o", "--effort", "fast", most_samples=1e9),
     _tree("tintree best", "#D55E00", "s", "--effort", "best"),
-    _tree("tintree strip", "#332288", "d", "--method", "strip"),
-    _tree("tintree nested", "#44AA99", "p", "--method", "nested"),
+    _tree("tintree strip", "#332288", "d", "--method", "strip", most_samples=1e9),
+    _tree("tintree nested", "#44AA99", "p", "--method", "nested", most_samples=1e9),
     _tree("tintree wavelet", "#AA4499", "H", "--method", "wavelet"),
     _tree("tintree scalar", "#DDCC77", "8", "--method", "scalar"),
     _mesh("delatin", "#009E73", "^", *_NODE),

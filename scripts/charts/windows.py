@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from osgeo import gdal, osr
 
-from datasets import Raster, made
+from datasets import Raster, crop, made, mirrored, whole
 from programs import CACHE
 
 gdal.UseExceptions()
@@ -36,6 +36,35 @@ WINDOWS = [
     Window("autzen", "autzen_dsm_2ft_raw.tif", 224, 103, "a stadium and trees, 2 ft, 3 % filled; a model 128 times as large",
            scale=128, unit_m=0.3048, pixel_m=0.6096),
 ]
+
+
+@dataclass(frozen=True)
+class Size:
+    """The Moon from its north-west corner, continued by its mirror images where it ends."""
+    columns: int
+    rows: int
+    name: str = "moon"
+
+    @property
+    def samples(self):
+        return self.columns * self.rows
+
+
+_WHOLE = 8193  # samples a side of the Moon
+SIZES = [Size(1025, 1025), Size(2049, 2049), Size(4097, 4097), Size(_WHOLE, _WHOLE), Size(2 * _WHOLE - 1, 2 * _WHOLE - 1),
+         Size(4 * _WHOLE - 3, 2 * _WHOLE - 1)]
+QUICK_SIZES = SIZES[1:2]
+
+
+def size_raster(size, data):
+    """None where the data set is missing."""
+    if not whole(data, size.name).path.exists():
+        return None
+    if size.columns < _WHOLE:
+        return crop(data, size.name, size.columns, size.rows)
+    if size.columns == _WHOLE:
+        return whole(data, size.name)
+    return mirrored(data, size.name, (size.columns - 1) // (_WHOLE - 1), (size.rows - 1) // (_WHOLE - 1))
 
 
 def _heights(window, source, side):
