@@ -202,6 +202,8 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
   auto streamed =
       out->blocks_->stream([&](std::int64_t bx, std::int64_t by, const std::shared_ptr<const HeightBlock>& block) {
         const auto at = static_cast<std::size_t>(by * across + bx);
+        // Lets no more than a band of blocks pile up; other threads work them off while the next band is read.
+        if (done % 32 == 0) tasks.wait();
         tasks.run([&, at, bx, by, block] {
           const BlockPatches summary = make_patches(*block);
           error.note(out->patches_->write(static_cast<std::int64_t>(at), &summary));
@@ -212,9 +214,7 @@ Expected<std::unique_ptr<ReferenceSurface>> ReferenceSurface::scan(
           surface[at] = holds_triangle(*block) ? 1 : 0;
           digest.add(bx, by, *block);
         });
-        // Lets no more than a band of blocks pile up.
-        if (++done % 32 == 0) tasks.wait();
-        stopped = !progress(done, total);
+        stopped = !progress(++done, total);
         return !stopped && !error.get();
       });
   tasks.wait();

@@ -105,17 +105,23 @@ bool SurfaceDistance::for_each_rect(std::int64_t x0, std::int64_t y0, std::int64
   return true;
 }
 
-/// Puts the squares under a part of a triangle on the list of their size. A square has all samples on its sides, so
-/// those beyond the DEM's last column and row are not needed.
+/// Puts the squares under a part of a triangle, which lies on the DEM, on the list of their size. A square has all
+/// samples on its sides, so those beyond the part's last column and row are not needed.
 void SurfaceDistance::add_squares(int size, std::uint32_t plane, const Extent& extent) {
   const int cells = kPatchCells[static_cast<std::size_t>(size)];
-  for (std::int64_t y = square_start(extent.y0, window_.row0(), cells); static_cast<double>(y) < extent.y1;
-       y += cells) {
-    for (std::int64_t x = square_start(extent.x0, window_.column0(), cells); static_cast<double>(x) < extent.x1;
-         x += cells) {
-      const PlanePatch* patch = window_.patch_at(size, x, y);
-      if (patch == nullptr || patch->empty() || planes_[plane].misses(square_extent(x, y, cells))) continue;
-      squares_[static_cast<std::size_t>(size)].push_back({patch, x, y, plane});
+  const std::int64_t west = square_start(extent.x0, window_.column0(), cells);
+  const std::int64_t north = square_start(extent.y0, window_.row0(), cells);
+  std::vector<Square>& list = squares_[static_cast<std::size_t>(size)];
+  const TrianglePlane& triangle = planes_[plane];
+  for (std::int64_t y = north; static_cast<double>(y) < extent.y1; y += cells) {
+    const int row = static_cast<int>((window_.row0() + y) & 255);
+    const BlockPatches* block = nullptr;
+    for (std::int64_t x = west; static_cast<double>(x) < extent.x1; x += cells) {
+      const int column = static_cast<int>((window_.column0() + x) & 255);
+      if (block == nullptr || column == 0) block = &window_.patches_at(x, y);
+      if (triangle.misses(square_extent(x, y, cells))) continue;
+      const PlanePatch& patch = block->at(size, column, row);
+      if (!patch.empty()) list.push_back({&patch, x, y, plane});
     }
   }
 }

@@ -36,6 +36,10 @@ class SurfaceWindow {
   SampleRun run_at(std::int64_t x, std::int64_t y) const;
   /// The residual pyramid's square of size index `size` that holds cell (x, y); null outside the DEM.
   const PlanePatch* patch_at(int size, std::int64_t x, std::int64_t y) const;
+  /// The residual pyramid of the block that holds cell (x, y), which has to lie in the DEM.
+  const BlockPatches& patches_at(std::int64_t x, std::int64_t y) const {
+    return view_->surface().patches((column0_ + x) >> 8, (row0_ + y) >> 8);
+  }
   /// The DEM.
   Extent extent() const;
 
