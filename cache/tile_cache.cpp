@@ -35,8 +35,8 @@ void add_nested(const TileCache::Source& tree, const StoredTile& stored, Parent 
   const codec::TileId& id = loaded.tile->id;
   if (!can_have_nested_shape(tree.layout, id, loaded.mesh)) return;
   if (id.level > 0) parent = find_parent(tree, id, std::move(parent), loaded).value_or(nullptr);
-  const NestedShape* above = id.level > 0 && parent != nullptr ? parent->nested.get() : nullptr;
-  loaded.tile->nested = std::make_shared<const NestedShape>(make_nested_shape(
+  const NestedShape* above = id.level > 0 && parent != nullptr ? parent->native.nested.get() : nullptr;
+  loaded.tile->native.nested = std::make_shared<const NestedShape>(make_nested_shape(
       tree.layout, id, loaded.mesh, *loaded.tile, stored.info.lod_error_m(), tree.joined_sides, above));
 }
 
@@ -50,7 +50,7 @@ Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id, Pa
   }
   auto tile = std::make_shared<DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides));
   Loaded out{std::move(tile), std::move(*mesh), stored->payload.size()};
-  if (tree.nested) add_nested(tree, *stored, std::move(parent), out);
+  if (tree.ground == Ground::kNested) add_nested(tree, *stored, std::move(parent), out);
   return out;
 }
 
@@ -87,7 +87,7 @@ Expected<Loaded> prepare(const TileCache::Source& tree, const codec::TileId& id,
   if (auto done = add_pictures(tree, options.texture_blocks, *loaded); !done) return tl::unexpected(done.error());
   if (auto done = add_relief(tree, *loaded); !done) return tl::unexpected(done.error());
   // A tile whose parent is damaged can still be drawn.
-  const bool morph = options.morph && id.level > 0 && loaded->tile->nested == nullptr;
+  const bool morph = options.morph && id.level > 0 && !loaded->tile->native.is_there();
   if (morph) static_cast<void>(add_morph(tree, parent, *loaded));
   return loaded;
 } catch (const std::exception& e) {

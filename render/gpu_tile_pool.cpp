@@ -68,7 +68,7 @@ bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& t
   const std::size_t relief_bytes = relief ? PatchReconstructor::bytes(*tile.relief) : 0;
   if (!make_room_for_pictures(tile.pictures.bytes() + relief_bytes)) return false;
   Entry out{ref, {}, {}, frame_, 0};
-  if (!(tile.nested ? place_nested(tile, out) : place_mesh(tile, out))) return false;
+  if (!(tile.native.nested ? place_nested(tile, out) : place_mesh(tile, out))) return false;
   out.tile.frame = tile.frame;
   out.tile.pictures = textures_.upload(tile.pictures);
   if (relief) out.tile.relief = reconstructor_->make(*tile.relief, parent);
@@ -85,14 +85,14 @@ bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& t
 bool GpuTilePool::place_nested(const cache::DrawableTile& tile, Entry& out) {
   std::vector<std::uint64_t> put_out;
   out.owner = ++next_owner_;
-  out.tile.chunk = nested_.take(out.owner, *tile.nested, frame_, put_out);
+  out.tile.chunk = nested_.take(out.owner, *tile.native.nested, frame_, put_out);
   for (const std::uint64_t owner : put_out) {
     const auto entry = owners_.at(owner);
     entry->tile.chunk.reset();
     evict(entry);
   }
   if (!out.tile.chunk) return false;
-  out.tile.nested = tile.nested;
+  out.tile.nested = tile.native.nested;
   out.tile.bytes = nested_.chunk_bytes(*out.tile.chunk);
   return true;
 }

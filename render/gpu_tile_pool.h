@@ -31,7 +31,7 @@ struct GpuMesh {
   std::uint32_t surface_triangles = 0;
 };
 
-/// A tile in the graphics card's memory.
+/// A tile in the graphics card's memory: a mesh, or what its cache::NativeGround takes there.
 struct GpuTile {
   GpuMesh mesh;
   GpuMesh morph;  ///< The overlay with its parent.
@@ -40,10 +40,11 @@ struct GpuTile {
   GpuPictures pictures;
   GpuRelief relief;
   std::size_t bytes = 0;
-  /// Of a tile that is drawn by its nested levels, which has no mesh. The shape is the cache's: without it, the tile is
-  /// not there.
+  /// Of a tile that is drawn by its nested levels. The shape is the cache's: without it, the tile is not there.
   std::optional<std::size_t> chunk;
   std::weak_ptr<const cache::NestedShape> nested;
+
+  bool is_mesh() const { return mesh.vertex_array != 0; }
 };
 
 /// Graphics memory for tiles, by what it holds; never exceeded.

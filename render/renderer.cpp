@@ -162,7 +162,7 @@ void Renderer::draw_meshes(const Camera& camera, Trees trees, const LodCut& cut,
   for (const DrawTile& d : cut.draws) {
     const cache::TileNode& node = trees[d.tree]->nodes()[d.node];
     const GpuTile* tile = pool.use({node.id, d.tree});
-    if (tile == nullptr || tile->chunk) continue;
+    if (tile == nullptr || !tile->is_mesh()) continue;
     const std::array<double, 16> matrix = tile->frame.matrix({camera.eye.x, camera.eye.y, camera.eye.z});
     set(*gl_, address_to_eye, glm::make_mat4(matrix.data()));
     const auto across = static_cast<double>(trees[d.tree]->layout().cells_across(node.id.level));

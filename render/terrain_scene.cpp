@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <string_view>
 #include <utility>
 
 #include "cache/patch_lighting.h"
@@ -14,14 +13,14 @@ namespace {
 /// How far ahead of the camera tiles are fetched, and the most at once.
 constexpr double kAhead_s = 1;
 constexpr std::size_t kMostAhead = 2048;
-/// The method whose tiles are drawn by their nested levels.
-constexpr std::string_view kNested = "nested";
+
+/// What the store's tiles are drawn as.
+cache::Ground ground_of(const cache::TileStore& store) { return cache::native_ground_of(store.manifest().method); }
 
 std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::span<const PlacedTree> places) {
   std::vector<cache::TileCache::Source> out;
   for (std::size_t i = 0; i < stores.size(); ++i) {
-    const bool nested = stores[i]->manifest().method == kNested;
-    out.push_back({stores[i], places[i].layout, places[i].joined_sides, nested});
+    out.push_back({stores[i], places[i].layout, places[i].joined_sides, ground_of(*stores[i])});
   }
   return out;
 }
@@ -35,8 +34,8 @@ GpuBudgets budgets(TerrainScene::Stores stores, std::size_t gpu_bytes) {
     return store->manifest().texture_size > 0 || store->manifest().normal_maps || has_reliefs(store);
   });
   const std::size_t rest = pictures ? gpu_bytes / 2 : gpu_bytes;
-  const auto nested = static_cast<std::size_t>(
-      std::ranges::count_if(stores, [](const cache::TileStore* store) { return store->manifest().method == kNested; }));
+  const auto nested = static_cast<std::size_t>(std::ranges::count_if(
+      stores, [](const cache::TileStore* store) { return ground_of(*store) == cache::Ground::kNested; }));
   const std::size_t nested_bytes = rest / stores.size() * nested;
   return {.mesh_bytes = rest - nested_bytes, .picture_bytes = gpu_bytes - rest, .nested_bytes = nested_bytes};
 }
@@ -86,7 +85,7 @@ TerrainScene::TerrainScene(const GlFunctions& gl, Stores stores, std::span<const
       far_picture_(std::move(far_picture)) {
   placed_.reserve(stores.size());
   for (std::size_t i = 0; i < stores.size(); ++i) {
-    const bool nested = stores[i]->manifest().method == kNested;
+    const bool nested = ground_of(*stores[i]) == cache::Ground::kNested;
     nested_.push_back(nested ? 1 : 0);
     const bool even = nested && options.cut.morph;
     if (i > 0 || even) placed_.push_back(stores[i]->bounds().placed(places[i].layout));
