@@ -77,7 +77,7 @@ struct MorphMesh {
   std::size_t bytes() const { return vertices.size() * sizeof(MorphVertex) + indices.size() * sizeof(std::uint32_t); }
 };
 
-/// A tile ready for upload. Immutable once made.
+/// A tile ready for upload: a mesh, or a NativeGround. Immutable once made.
 struct DrawableTile {
   codec::TileId id;
   codec::GridFrame frame;  ///< Takes the vertices' addresses to metres.

@@ -7,6 +7,7 @@
 
 #include "cache/morph.h"
 #include "cache/patch_lighting.h"
+#include "codec/coded_strip_mesh.h"
 
 namespace tintree::cache {
 namespace {
@@ -43,13 +44,21 @@ void add_nested(const TileCache::Source& tree, const StoredTile& stored, Parent 
 Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id, Parent parent) {
   auto stored = tree.store->read(id);
   if (!stored) return tl::unexpected(stored.error());
+  const std::size_t payload_bytes = stored->payload.size();
+  if (tree.ground == Ground::kStrip) {
+    // Of a damaged one decode() tells what is wrong.
+    if (auto packed = codec::packed_strip(stored->payload)) stored->payload = std::move(*packed);
+  }
   auto mesh = tree.store->decode(*stored);
   if (!mesh) {
     mesh.error().where = tree.store->path() + ": " + mesh.error().where;
     return tl::unexpected(mesh.error());
   }
-  auto tile = std::make_shared<DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides));
-  Loaded out{std::move(tile), std::move(*mesh), stored->payload.size()};
+  std::shared_ptr<DrawableTile> tile;
+  if (tree.ground == Ground::kStrip)
+    tile = make_drawable_strip(tree.layout, id, std::move(stored->payload), *mesh, tree.joined_sides);
+  if (tile == nullptr) tile = std::make_shared<DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides));
+  Loaded out{std::move(tile), std::move(*mesh), payload_bytes};
   if (tree.ground == Ground::kNested) add_nested(tree, *stored, std::move(parent), out);
   return out;
 }
