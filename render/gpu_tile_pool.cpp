@@ -97,6 +97,7 @@ bool GpuTilePool::place_nested(const cache::DrawableTile& tile, Entry& out) {
   }
   if (!out.tile.chunk) return false;
   out.tile.nested = tile.native.nested;
+  out.tile.occluder = tile.occluder;
   out.tile.bytes = nested_.chunk_bytes(*out.tile.chunk);
   return true;
 }

@@ -193,9 +193,11 @@ LodCut TerrainScene::advance(const Camera& camera, std::optional<double> seconds
     const GpuTile* tile = pool_.use({trees_[tree]->nodes()[node].id, tree});
     return tile != nullptr ? tile->occluder.get() : nullptr;
   };
+  CutOptions options = options_.cut;
+  if (std::ranges::find(nested_, 1) != nested_.end()) options.off_px = kNestedOff * options.pixel_error;
   const auto choose = [&] {
     return lod_cut(
-        trees_, camera, options_.cut, [this](std::uint32_t tree, std::uint32_t node) { return state(tree, node); },
+        trees_, camera, options, [this](std::uint32_t tree, std::uint32_t node) { return state(tree, node); },
         occlusion_pays_.on(options_.occlusion) ? occluder_of : nullptr);
   };
   LodCut cut = choose();
