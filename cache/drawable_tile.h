@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "cache/nested_shape.h"
+#include "cache/native_ground.h"
 #include "cache/occluder.h"
 #include "cache/tile_pictures.h"
 #include "cache/tile_relief.h"
@@ -77,7 +77,7 @@ struct MorphMesh {
   std::size_t bytes() const { return vertices.size() * sizeof(MorphVertex) + indices.size() * sizeof(std::uint32_t); }
 };
 
-/// A tile ready for upload. Immutable once made.
+/// A tile ready for upload: a mesh, or a NativeGround. Immutable once made.
 struct DrawableTile {
   codec::TileId id;
   codec::GridFrame frame;  ///< Takes the vertices' addresses to metres.
@@ -91,8 +91,7 @@ struct DrawableTile {
   std::shared_ptr<const Occluder> occluder;  ///< What the surface hides; never null.
   TilePictures pictures;                     ///< make_drawable() leaves them out,
   std::optional<TileRelief> relief;          ///< and this: of tiles that are lit by their patch.
-  /// With it the tile is drawn by its nested levels; null for a tile that has none. make_drawable() leaves it out.
-  std::shared_ptr<const NestedShape> nested;
+  NativeGround native;                       ///< What is drawn in the mesh's place; make_drawable() leaves it out.
 
   std::size_t index_count() const { return indices.size() + wide_indices.size(); }
   std::uint32_t index(std::size_t i) const { return indices.empty() ? wide_indices[i] : indices[i]; }
@@ -100,7 +99,7 @@ struct DrawableTile {
   std::size_t index_bytes() const { return 2 * indices.size() + 4 * wide_indices.size(); }
   std::size_t bytes() const {
     return sizeof *this + vertex_bytes() + index_bytes() + (morph ? morph->bytes() : 0) + occluder->bytes() +
-           pictures.bytes() + (relief ? relief->bytes() : 0) + (nested ? nested->bytes() : 0);
+           pictures.bytes() + (relief ? relief->bytes() : 0) + native.bytes();
   }
 };
 

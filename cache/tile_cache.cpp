@@ -7,6 +7,7 @@
 
 #include "cache/morph.h"
 #include "cache/patch_lighting.h"
+#include "codec/coded_strip_mesh.h"
 
 namespace tintree::cache {
 namespace {
@@ -35,22 +36,30 @@ void add_nested(const TileCache::Source& tree, const StoredTile& stored, Parent 
   const codec::TileId& id = loaded.tile->id;
   if (!can_have_nested_shape(tree.layout, id, loaded.mesh)) return;
   if (id.level > 0) parent = find_parent(tree, id, std::move(parent), loaded).value_or(nullptr);
-  const NestedShape* above = id.level > 0 && parent != nullptr ? parent->nested.get() : nullptr;
-  loaded.tile->nested = std::make_shared<const NestedShape>(make_nested_shape(
+  const NestedShape* above = id.level > 0 && parent != nullptr ? parent->native.nested.get() : nullptr;
+  loaded.tile->native.nested = std::make_shared<const NestedShape>(make_nested_shape(
       tree.layout, id, loaded.mesh, *loaded.tile, stored.info.lod_error_m(), tree.joined_sides, above));
 }
 
 Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id, Parent parent) {
   auto stored = tree.store->read(id);
   if (!stored) return tl::unexpected(stored.error());
+  const std::size_t payload_bytes = stored->payload.size();
+  if (tree.ground == Ground::kStrip) {
+    // Of a damaged one decode() tells what is wrong.
+    if (auto packed = codec::packed_strip(stored->payload)) stored->payload = std::move(*packed);
+  }
   auto mesh = tree.store->decode(*stored);
   if (!mesh) {
     mesh.error().where = tree.store->path() + ": " + mesh.error().where;
     return tl::unexpected(mesh.error());
   }
-  auto tile = std::make_shared<DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides));
-  Loaded out{std::move(tile), std::move(*mesh), stored->payload.size()};
-  if (tree.nested) add_nested(tree, *stored, std::move(parent), out);
+  std::shared_ptr<DrawableTile> tile;
+  if (tree.ground == Ground::kStrip)
+    tile = make_drawable_strip(tree.layout, id, std::move(stored->payload), *mesh, tree.joined_sides);
+  if (tile == nullptr) tile = std::make_shared<DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides));
+  Loaded out{std::move(tile), std::move(*mesh), payload_bytes};
+  if (tree.ground == Ground::kNested) add_nested(tree, *stored, std::move(parent), out);
   return out;
 }
 
@@ -87,7 +96,7 @@ Expected<Loaded> prepare(const TileCache::Source& tree, const codec::TileId& id,
   if (auto done = add_pictures(tree, options.texture_blocks, *loaded); !done) return tl::unexpected(done.error());
   if (auto done = add_relief(tree, *loaded); !done) return tl::unexpected(done.error());
   // A tile whose parent is damaged can still be drawn.
-  const bool morph = options.morph && id.level > 0 && loaded->tile->nested == nullptr;
+  const bool morph = options.morph && id.level > 0 && !loaded->tile->native.is_there();
   if (morph) static_cast<void>(add_morph(tree, parent, *loaded));
   return loaded;
 } catch (const std::exception& e) {

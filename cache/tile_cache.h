@@ -36,7 +36,7 @@ class TileCache {
     const TileStore* store = nullptr;  ///< Must outlive the cache.
     codec::TreeLayout layout;          ///< Where the tree lies in the scene; the store's own for a tree by itself.
     std::uint16_t joined_sides = 0;    ///< As make_drawable() takes them.
-    bool nested = false;               ///< Tiles come with DrawableTile::nested, and morph by it.
+    Ground ground = Ground::kMesh;     ///< Tiles come with DrawableTile::native of that kind where they can.
   };
 
   struct Options {

@@ -9,6 +9,7 @@
 
 #include "codec/range_coder.h"
 #include "codec/strip_follower.h"
+#include "codec/strip_packer.h"
 #include "codec/strip_source.h"
 
 namespace tintree::codec {
@@ -80,6 +81,43 @@ bool code_heights(Coder& coder, const StripHead& head, const StripFollower& path
   return true;
 }
 
+/// A payload taken apart.
+struct CodedStrip {
+  StripHead head;
+  StripFollower path;
+  std::vector<StripType> types;
+  std::vector<StripHeader> headers{};    // of sub-strips
+  std::vector<std::uint32_t> heights{};  // of entries
+};
+
+Expected<CodedStrip> read(std::span<const std::byte> bytes) {
+  const auto refuse = [] { return fail(ErrorCode::kBadData, "the payload's strip is damaged or cut short"); };
+  const auto head = take_strip_head(bytes, kStripCoded);
+  if (!head) return tl::unexpected(head.error());
+  const StripHeaderLayout layout = StripHeaderLayout::of(head->levels);
+  // A triangle has a bit at least.
+  if (bytes.size() < layout.bytes || head->triangles / kMostBitsPerByte > bytes.size()) return refuse();
+  std::uint64_t packed = 0;
+  for (std::size_t i = 0; i < layout.bytes; ++i) packed |= static_cast<std::uint64_t>(bytes[i]) << (8 * i);
+  RangeDecoder decoder(bytes.subspan(layout.bytes));
+  CodedStrip out{*head, StripFollower(*head, layout.unpack(packed)), {}};
+  const auto models = std::make_unique<TypeModels>();
+  StripWinding winding;
+  std::vector<int> sizes;
+  for (std::uint32_t i = 0; i < head->triangles; ++i) {
+    const StripType type = models->code(decoder, out.path.edge().size, StripType::kA);
+    const bool left = winding.next(type);
+    if (i % kSubStrip == 0) out.headers.push_back(out.path.header(left));
+    if (!out.path.step(type, left)) return refuse();
+    out.types.push_back(type);
+    sizes.push_back(out.path.edge().size);
+  }
+  out.path.number();
+  out.heights.resize(head->triangles + std::size_t{2});
+  if (!code_heights(decoder, *head, out.path, sizes, out.heights) || !decoder.finished()) return refuse();
+  return out;
+}
+
 }  // namespace
 
 Expected<std::vector<std::byte>> CodedStripMesh::encode(const TileMesh& mesh) const {
@@ -115,28 +153,21 @@ Expected<std::vector<std::byte>> CodedStripMesh::encode(const TileMesh& mesh) co
 }
 
 Expected<TileMesh> CodedStripMesh::decode(std::span<const std::byte> bytes) const {
-  const auto refuse = [] { return fail(ErrorCode::kBadData, "the payload's strip is damaged or cut short"); };
-  const auto head = take_strip_head(bytes, kStripCoded);
-  if (!head) return tl::unexpected(head.error());
-  const StripHeaderLayout layout = StripHeaderLayout::of(head->levels);
-  // A triangle has a bit at least.
-  if (bytes.size() < layout.bytes || head->triangles / kMostBitsPerByte > bytes.size()) return refuse();
-  std::uint64_t packed = 0;
-  for (std::size_t i = 0; i < layout.bytes; ++i) packed |= static_cast<std::uint64_t>(bytes[i]) << (8 * i);
-  RangeDecoder decoder(bytes.subspan(layout.bytes));
-  StripFollower path(*head, layout.unpack(packed));
-  const auto types = std::make_unique<TypeModels>();
-  StripWinding winding;
-  std::vector<int> sizes;
-  for (std::uint32_t i = 0; i < head->triangles; ++i) {
-    const StripType type = types->code(decoder, path.edge().size, StripType::kA);
-    if (!path.step(type, winding.next(type))) return refuse();
-    sizes.push_back(path.edge().size);
+  const auto strip = read(bytes);
+  if (!strip) return tl::unexpected(strip.error());
+  return strip->path.mesh(strip->heights);
+}
+
+Expected<std::vector<std::byte>> packed_strip(std::span<const std::byte> bytes) {
+  if (bytes.empty() || bytes.front() != kStripCoded) return std::vector(bytes.begin(), bytes.end());
+  const auto strip = read(bytes);
+  if (!strip) return tl::unexpected(strip.error());
+  StripPacker packer(strip->head, strip->heights[0], strip->heights[1]);
+  for (std::size_t i = 0; i < strip->types.size(); ++i) {
+    if (i % kSubStrip == 0) packer.header(strip->headers[i / kSubStrip]);
+    packer.entry(strip->types[i], strip->heights[i + 2]);
   }
-  path.number();
-  std::vector<std::uint32_t> heights(head->triangles + std::size_t{2});
-  if (!code_heights(decoder, *head, path, sizes, heights) || !decoder.finished()) return refuse();
-  return path.mesh(heights);
+  return packer.finish();
 }
 
 }  // namespace tintree::codec

@@ -222,14 +222,15 @@ void expand_sub_strips(const StripPayload& payload, std::span<std::uint32_t> wor
   if (payload.holes) drop_missing(tables, words);
 }
 
-std::vector<std::uint32_t> strip_skirts(const StripPayload& payload, std::span<const std::uint32_t> words) {
+std::vector<std::uint32_t> strip_skirts(const StripPayload& payload, std::span<const std::uint32_t> words,
+                                        const StripBorders& borders) {
   const StripWords format(payload);
-  const std::uint32_t span = 1U << payload.levels;
   std::vector<std::uint32_t> out;
   const auto on_border = [&](std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t ax = format.x(a);
-    const std::uint32_t ay = format.y(a);
-    return (ax == format.x(b) && (ax == 0 || ax == span)) || (ay == format.y(b) && (ay == 0 || ay == span));
+    const auto x = static_cast<std::int32_t>(format.x(a));
+    const auto y = static_cast<std::int32_t>(format.y(a));
+    return (format.x(a) == format.x(b) && (x == borders[0] || x == borders[2])) ||
+           (format.y(a) == format.y(b) && (y == borders[1] || y == borders[3]));
   };
   for (std::size_t i = 0; i + 3 <= words.size(); i += 3) {
     if (words[i] == words[i + 1]) continue;  // missing

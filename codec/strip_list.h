@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -38,8 +39,15 @@ void follow_strip(const StripPayload& payload, std::span<std::uint32_t> words);
 /// The same, every sub-strip from its own header, eight of them at a time.
 void expand_sub_strips(const StripPayload& payload, std::span<std::uint32_t> words);
 
-/// The skirts of a list: two triangles down from every side of a triangle that lies on the tile's border, in the order
+/// Where skirts hang: x of the western border, y of the northern, x of the eastern, y of the southern; -1 for a border
+/// without.
+using StripBorders = std::array<std::int32_t, 4>;
+/// All sides of a whole tile.
+inline StripBorders whole_borders(int levels) { return {0, 0, 1 << levels, 1 << levels}; }
+
+/// The skirts of a list: two triangles down from every side of a triangle that lies on one of the borders, in the order
 /// of the triangles (section 5.1). How deep they reach is for whoever draws them to say: their feet are marked.
-std::vector<std::uint32_t> strip_skirts(const StripPayload& payload, std::span<const std::uint32_t> words);
+std::vector<std::uint32_t> strip_skirts(const StripPayload& payload, std::span<const std::uint32_t> words,
+                                        const StripBorders& borders);
 
 }  // namespace tintree::codec

@@ -1,12 +1,12 @@
 #include "codec/strip_mesh.h"
 
 #include <cstdint>
-#include <cstring>
+#include <optional>
 #include <vector>
 
-#include "codec/bit_pack.h"
 #include "codec/coded_strip_mesh.h"
 #include "codec/strip_follower.h"
+#include "codec/strip_packer.h"
 #include "codec/strip_source.h"
 
 namespace tintree::codec {
@@ -30,23 +30,11 @@ struct HeightEntries {
 Expected<std::vector<std::byte>> StripMesh::encode(const TileMesh& mesh) const {
   const auto source = find_strip(mesh);
   if (!source) return tl::unexpected(source.error());
-  const StripHead& p = source->head;
-  std::vector<std::byte> out;
-  put_strip_head(out, kStripPacked, p);
-  const StripHeaderLayout layout = StripHeaderLayout::of(p.levels);
-  std::size_t header_at = out.size();
-  out.resize(out.size() + p.sub_strips() * layout.bytes);
-  BitWriter entries(out);
-  const auto put_entry = [&](StripType type, const SplitPoint& v) {
-    entries.put(source->code(v) << 2 | static_cast<std::uint32_t>(type), p.height_bits + 2);
-  };
+  std::optional<StripPacker> packer;
   HeightEntries heights;
   std::uint32_t i = 0;
   source->walk([&](const StripStep& s) {
-    if (i == 0) {
-      put_entry(StripType::kA, s.v1);
-      put_entry(StripType::kA, s.v2);
-    }
+    if (i == 0) packer.emplace(source->head, source->code(s.v1), source->code(s.v2));
     if (i % kSubStrip == 0) {
       StripHeader header;
       header.x = static_cast<std::int32_t>(s.v1.x);
@@ -54,15 +42,12 @@ Expected<std::vector<std::byte>> StripMesh::encode(const TileMesh& mesh) const {
       header.edge = edge_between(s.v1, s.v2);
       header.left = s.left;
       heights.fill(header, i);
-      const std::uint64_t packed = layout.pack(header);
-      std::memcpy(out.data() + header_at, &packed, layout.bytes);
-      header_at += layout.bytes;
+      packer->header(header);
     }
-    put_entry(s.type, s.v3);
+    packer->entry(s.type, source->code(s.v3));
     heights.step(s.left, i++);
   });
-  entries.finish();
-  return out;
+  return packer->finish();
 }
 
 Expected<TileMesh> StripMesh::decode(std::span<const std::byte> bytes) const {

@@ -95,6 +95,7 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                         \
   X(PFNGLUNIFORM3FPROC, Uniform3f)                                           \
   X(PFNGLUNIFORM4FPROC, Uniform4f)                                           \
+  X(PFNGLUNIFORM4IPROC, Uniform4i)                                           \
   X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                             \
   X(PFNGLUSEPROGRAMPROC, UseProgram)                                         \
   X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)                     \

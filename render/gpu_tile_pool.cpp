@@ -1,6 +1,7 @@
 #include "render/gpu_tile_pool.h"
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 
 namespace tintree::render {
@@ -8,10 +9,11 @@ namespace {
 
 using cache::DrawVertex;
 using cache::MorphVertex;
+using cache::StripShape;
 
 /// Ranges begin at multiples of a vertex, so that both vertices and indices (4 divides 12) lie where GL wants them.
 constexpr std::size_t kUnit = sizeof(DrawVertex);
-constexpr std::size_t kLargestPage = std::size_t{64} << 20;
+static_assert(kUnit == 3 * sizeof(std::uint32_t), "a unit has room for a strip's triangle");
 constexpr std::size_t kPages = 8;  ///< Of a budget that is not large.
 
 const void* offset(std::size_t bytes) { return reinterpret_cast<const void*>(bytes); }
@@ -33,27 +35,17 @@ void describe_morph_vertex(const GlFunctions& gl) {
   for (GLuint location = 2; location < 5; ++location) gl.EnableVertexAttribArray(location);
 }
 
-void free_page(const GlFunctions& gl, GLuint vertex_array, GLuint morph_vertex_array, GLuint buffer) {
-  gl.DeleteVertexArrays(1, &vertex_array);
-  gl.DeleteVertexArrays(1, &morph_vertex_array);
-  gl.DeleteBuffers(1, &buffer);
-}
+/// A word of a strip is an index by itself.
+void describe_nothing(const GlFunctions&) {}
 
 }  // namespace
 
-GpuTilePool::GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets,
-                         std::unique_ptr<PatchReconstructor> reconstructor)
-    : gl_(&gl),
-      budgets_(budgets),
-      textures_(gl),
-      nested_(gl, budgets.nested_bytes),
-      reconstructor_(std::move(reconstructor)) {}
+GpuTilePool::GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets, GpuMakers makers)
+    : gl_(&gl), budgets_(budgets), textures_(gl), nested_(gl, budgets.nested_bytes), makers_(std::move(makers)) {}
 
 GpuTilePool::~GpuTilePool() {
-  if (reconstructor_) {
-    for (const Entry& entry : entries_) reconstructor_->destroy(entry.tile.relief);
-  }
-  for (const Page& page : pages_) free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
+  for (const Entry& entry : entries_) destroy(*gl_, entry.tile.relief);
+  for (const Page& page : pages_) free_page(page);
 }
 
 bool GpuTilePool::contains(const cache::TileRef& tile) const {
@@ -64,14 +56,26 @@ bool GpuTilePool::contains(const cache::TileRef& tile) const {
 bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& tile) {
   if (use(ref) != nullptr) return true;
   const GLuint parent = tile.relief ? parent_heights(*tile.relief, ref.tree) : 0;
-  const bool relief = reconstructor_ && tile.relief && (parent != 0 || !tile.relief->parent);
-  const std::size_t relief_bytes = relief ? PatchReconstructor::bytes(*tile.relief) : 0;
+  const bool relief = makers_.reliefs && tile.relief && (parent != 0 || !tile.relief->parent);
+  const StripShape* strip = tile.native.strip.get();
+  const bool lit_strip = strip != nullptr && tile.pictures.directions.size == 0;
+  const std::size_t relief_bytes = relief      ? PatchReconstructor::bytes(*tile.relief)
+                                   : lit_strip ? StripNormals::bytes(strip->strip())
+                                               : 0;
   if (!make_room_for_pictures(tile.pictures.bytes() + relief_bytes)) return false;
   Entry out{ref, {}, {}, frame_, 0};
-  if (!(tile.nested ? place_nested(tile, out) : place_mesh(tile, out))) return false;
+  const bool placed = tile.native.nested ? place_nested(tile, out)
+                      : strip != nullptr ? place_strip(tile, out)
+                                         : place_mesh(tile, out);
+  if (!placed) return false;
   out.tile.frame = tile.frame;
   out.tile.pictures = textures_.upload(tile.pictures);
-  if (relief) out.tile.relief = reconstructor_->make(*tile.relief, parent);
+  if (relief) out.tile.relief = makers_.reliefs->make(*tile.relief, parent);
+  if (lit_strip) {
+    out.tile.relief.normals = makers_.strips->normals->make(strip->strip(), tile.frame, out.tile.strip.vertex_array,
+                                                            out.tile.strip.first_word);
+    out.tile.relief.bytes = relief_bytes;
+  }
   const std::size_t picture_bytes = out.tile.pictures.bytes + out.tile.relief.bytes;
   picture_bytes_ += picture_bytes;
   out.tile.bytes += picture_bytes;
@@ -85,15 +89,35 @@ bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& t
 bool GpuTilePool::place_nested(const cache::DrawableTile& tile, Entry& out) {
   std::vector<std::uint64_t> put_out;
   out.owner = ++next_owner_;
-  out.tile.chunk = nested_.take(out.owner, *tile.nested, frame_, put_out);
+  out.tile.chunk = nested_.take(out.owner, *tile.native.nested, frame_, put_out);
   for (const std::uint64_t owner : put_out) {
     const auto entry = owners_.at(owner);
     entry->tile.chunk.reset();
     evict(entry);
   }
   if (!out.tile.chunk) return false;
-  out.tile.nested = tile.nested;
+  out.tile.nested = tile.native.nested;
+  out.tile.occluder = tile.occluder;
   out.tile.bytes = nested_.chunk_bytes(*out.tile.chunk);
+  return true;
+}
+
+bool GpuTilePool::place_strip(const cache::DrawableTile& tile, Entry& out) {
+  const StripShape& shape = *tile.native.strip;
+  const std::uint32_t words = shape.triangle_words() + shape.skirt_words();
+  if (!place(words / 3, out.place)) return false;
+  const Page& page = pages_[out.place.page];
+  const auto first_word = static_cast<std::uint32_t>(3 * out.place.begin);
+  out.tile.strip = {page.strip_vertex_array, first_word,
+                    shape.triangle_words(),  shape.skirt_words(),
+                    tile.surface_triangles,  shape.strip().levels + 1,
+                    shape.strip().z_shift,   shape.borders()};
+  const auto decoded = makers_.strips->decoder.decode(
+      shape.strip(), shape.borders(), {page.buffer, first_word, shape.triangle_words(), shape.skirt_words()});
+  assert(decoded);
+  static_cast<void>(decoded);
+  out.tile.occluder = tile.occluder;
+  out.tile.bytes = out.place.length * kUnit;
   return true;
 }
 
@@ -177,7 +201,7 @@ bool GpuTilePool::add_page(std::size_t length) {
   const std::size_t usual = std::clamp(budgets_.mesh_bytes / kPages, std::size_t{1} << 20, kLargestPage) / kUnit;
   const std::size_t units = std::min(std::max(usual, length), left / kUnit);
   if (units < length) return false;
-  Page page{0, 0, 0, RangeAllocator(units), units * kUnit};
+  Page page{0, 0, 0, 0, RangeAllocator(units), units * kUnit};
   while (gl_->GetError() != GL_NO_ERROR) {
   }
   gl_->GenBuffers(1, &page.buffer);
@@ -185,9 +209,10 @@ bool GpuTilePool::add_page(std::size_t length) {
   gl_->BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(units * kUnit), nullptr, GL_STATIC_DRAW);
   page.vertex_array = make_vertex_array(page.buffer, describe_vertex);
   page.morph_vertex_array = make_vertex_array(page.buffer, describe_morph_vertex);
+  page.strip_vertex_array = make_vertex_array(page.buffer, describe_nothing);
   if (gl_->GetError() != GL_NO_ERROR) {
     // The card has less than the budget: what there is has to do.
-    free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
+    free_page(page);
     budgets_.mesh_bytes = taken;
     return false;
   }
@@ -225,10 +250,16 @@ bool GpuTilePool::drop_page() {
     if (entry->place.length > 0 && entry->place.page == dropped) evict(entry);
   }
   const Page& page = pages_[dropped];
-  free_page(*gl_, page.vertex_array, page.morph_vertex_array, page.buffer);
+  free_page(page);
   reserved_bytes_ -= page.bytes;
-  pages_[dropped] = {0, 0, 0, RangeAllocator(0), 0};
+  pages_[dropped] = {0, 0, 0, 0, RangeAllocator(0), 0};
   return true;
+}
+
+void GpuTilePool::free_page(const Page& page) {
+  for (const GLuint array : {page.vertex_array, page.morph_vertex_array, page.strip_vertex_array})
+    gl_->DeleteVertexArrays(1, &array);
+  gl_->DeleteBuffers(1, &page.buffer);
 }
 
 GLuint GpuTilePool::make_vertex_array(GLuint buffer, void (*describe)(const GlFunctions&)) {
@@ -262,7 +293,7 @@ void GpuTilePool::evict(Entries::iterator entry) {
   bytes_ -= entry->tile.bytes;
   picture_bytes_ -= entry->tile.pictures.bytes + entry->tile.relief.bytes;
   textures_.give_back(entry->tile.pictures);
-  if (reconstructor_) reconstructor_->destroy(entry->tile.relief);
+  destroy(*gl_, entry->tile.relief);
   tiles_.erase(entry->ref);
   entries_.erase(entry);
 }

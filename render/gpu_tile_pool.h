@@ -18,6 +18,7 @@
 #include "render/patch_reconstructor.h"
 #include "render/picture_textures.h"
 #include "render/range_allocator.h"
+#include "render/strip_unpacker.h"
 
 namespace tintree::render {
 
@@ -31,26 +32,46 @@ struct GpuMesh {
   std::uint32_t surface_triangles = 0;
 };
 
-/// A tile in the graphics card's memory.
+/// A strip's words (codec/strip_list.h) in a range of one of the pool's buffers.
+struct GpuStrip {
+  GLuint vertex_array = 0;  ///< Without attributes; the whole buffer's words are its indices. 0 for no strip.
+  std::uint32_t first_word = 0;
+  std::uint32_t triangle_words = 0;
+  std::uint32_t skirt_words = 0;
+  std::uint32_t surface_triangles = 0;  ///< Without those of holes, which have words.
+  int xy_bits = 0;
+  int z_shift = 0;
+  codec::StripBorders borders{};
+};
+
+/// A tile in the graphics card's memory: a mesh, or what its cache::NativeGround takes there.
 struct GpuTile {
   GpuMesh mesh;
   GpuMesh morph;  ///< The overlay with its parent.
+  GpuStrip strip;
   codec::GridFrame frame;
   std::shared_ptr<const cache::Occluder> occluder;
   GpuPictures pictures;
-  GpuRelief relief;
+  GpuRelief relief;  ///< Of a strip, the normals of its vertices.
   std::size_t bytes = 0;
-  /// Of a tile that is drawn by its nested levels, which has no mesh. The shape is the cache's: without it, the tile is
-  /// not there.
+  /// Of a tile that is drawn by its nested levels. The shape is the cache's: without it, the tile is not there.
   std::optional<std::size_t> chunk;
   std::weak_ptr<const cache::NestedShape> nested;
+
+  bool is_mesh() const { return mesh.vertex_array != 0; }
 };
 
 /// Graphics memory for tiles, by what it holds; never exceeded.
 struct GpuBudgets {
-  std::size_t mesh_bytes = 0;     ///< With what is set aside.
+  std::size_t mesh_bytes = 0;     ///< Strips' words too, and what is set aside.
   std::size_t picture_bytes = 0;  ///< Reliefs too.
   std::size_t nested_bytes = 0;
+};
+
+/// Makes on the card what is not sent there; null for what no tree needs.
+struct GpuMakers {
+  std::unique_ptr<PatchReconstructor> reliefs;  ///< Without it, reliefs are left out.
+  std::unique_ptr<StripUnpacker> strips;        ///< Without it no tile may be a strip.
 };
 
 /// The tiles uploaded so far, overlays too, in ranges of a few large buffers: a new tile takes the place of the least
@@ -58,9 +79,10 @@ struct GpuBudgets {
 /// current; not thread-safe.
 class GpuTilePool {
  public:
-  /// Without `reconstructor` reliefs are left out.
-  GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets,
-              std::unique_ptr<PatchReconstructor> reconstructor = nullptr);
+  /// Of a buffer, but for a tile that needs more.
+  static constexpr std::size_t kLargestPage = std::size_t{64} << 20;
+
+  GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets, GpuMakers makers = {});
   ~GpuTilePool();
   GpuTilePool(const GpuTilePool&) = delete;
   GpuTilePool& operator=(const GpuTilePool&) = delete;
@@ -68,7 +90,8 @@ class GpuTilePool {
   bool contains(const cache::TileRef& tile) const;
   /// Copies the tile to the card and marks it as used in this frame. False when it does not fit beside what this frame
   /// has used so far.
-  /// The tile's relief is made where its parent's is here; else the tile is lit by its mesh.
+  /// The tile's relief is made where its parent's is here; else the tile is lit by its mesh. A strip that has no normal
+  /// map is lit by one that is made here.
   bool upload(const cache::TileRef& ref, const cache::DrawableTile& tile);
   /// The tile, marked as used in this frame, or null.
   const GpuTile* use(const cache::TileRef& tile);
@@ -85,12 +108,14 @@ class GpuTilePool {
   std::size_t tiles() const { return tiles_.size(); }
   /// Of the buffers, tiles or not.
   std::size_t reserved_bytes() const { return reserved_bytes_ + nested_.reserved_bytes(); }
-  bool makes_reliefs() const { return reconstructor_ != nullptr; }
+  bool makes_reliefs() const { return makers_.reliefs != nullptr; }
+  bool has_strips() const { return makers_.strips != nullptr; }
 
  private:
   struct Page {
     GLuint vertex_array = 0;        ///< Of cache::DrawVertex,
-    GLuint morph_vertex_array = 0;  ///< and of cache::MorphVertex.
+    GLuint morph_vertex_array = 0;  ///< of cache::MorphVertex,
+    GLuint strip_vertex_array = 0;  ///< and of nothing, for words.
     GLuint buffer = 0;
     RangeAllocator free;  ///< In units of one vertex.
     std::size_t bytes = 0;
@@ -113,6 +138,7 @@ class GpuTilePool {
   static bool is_hollow(const GpuTile& tile) { return tile.chunk && tile.nested.expired(); }
   bool place_mesh(const cache::DrawableTile& tile, Entry& out);
   bool place_nested(const cache::DrawableTile& tile, Entry& out);
+  bool place_strip(const cache::DrawableTile& tile, Entry& out);
   /// Copies arrays into a page's buffer, the vertices to `at` bytes into it and the indices behind them.
   template <typename Vertex, typename Index>
   GpuMesh copy(GLuint vertex_array, std::size_t at, std::span<const Vertex> vertices, std::span<const Index> indices);
@@ -126,6 +152,7 @@ class GpuTilePool {
   bool drop_page();
   void evict_oldest() { evict(std::prev(entries_.end())); }
   void evict(Entries::iterator entry);
+  void free_page(const Page& page);
   /// The same for a tile's pictures.
   bool make_room_for_pictures(std::size_t bytes);
   /// The heights that a tile's relief is made of, kept while it is; 0 where there are none.
@@ -136,7 +163,7 @@ class GpuTilePool {
   std::size_t aside_bytes_ = 0;  ///< Of those for meshes.
   PictureTextures textures_;
   NestedChunks nested_;
-  std::unique_ptr<PatchReconstructor> reconstructor_;
+  GpuMakers makers_;
   std::size_t bytes_ = 0;
   std::size_t picture_bytes_ = 0;  ///< Of these, reliefs too.
   std::size_t reserved_bytes_ = 0;

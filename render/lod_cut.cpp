@@ -33,7 +33,8 @@ class Walk {
     for (const std::uint32_t tree : nearest_first()) {
       tree_ = tree;
       bounds_ = trees_[tree];
-      horizon_ = occluder_of_ ? TreeHorizon(*bounds_, camera_, frustum_, options_.morph) : TreeHorizon();
+      horizon_ =
+          occluder_of_ ? TreeHorizon(*bounds_, camera_, frustum_, options_.morph, options_.off_px) : TreeHorizon();
       visit(0);
     }
     order_requests();

@@ -19,6 +19,9 @@ struct CutOptions {
   /// ground has next to no error and yet a photo on it.
   double texel_px = 1;
   bool morph = false;  ///< Weigh each tile's way to its parent (render/morph.h); else DrawTile::morph stays 0.
+  /// What tiles are drawn off their own meshes, and so off their boxes and occluders: vertically by no more than so
+  /// many pixels measure across the view at their distance (render/nested_lod.h).
+  double off_px = 0;
 };
 
 /// One tile of a cut.

@@ -25,6 +25,11 @@ int mesh_level(const ScreenError& screen_error, const cache::Box& box, double bo
 /// does the same.
 std::array<float, cache::NestedShape::kLevels> morph_weights(float level);
 
+/// How far a tile is drawn off its own mesh, level 8, vertically: by less than so many times what the pixel error
+/// measures at the distance. For a coarser level and any between are off the DEM by as much at most, and level 8, where
+/// another is drawn, by half of that.
+inline constexpr double kNestedOff = 2;
+
 /// Sets DrawTile::nested_level of the tiles of trees that are `nested` (not 0), and what is drawn of them by a coarser
 /// level than their own counts for that level's error.
 void choose_nested_levels(Trees trees, const Camera& camera, std::span<const std::uint8_t> nested, LodCut& cut);

@@ -21,7 +21,8 @@ float round_down(double v) {
 
 }  // namespace
 
-Horizon::Horizon(const Camera& camera) : eye_x_(camera.eye.x), eye_y_(camera.eye.y), eye_z_(camera.eye.z) {
+Horizon::Horizon(const Camera& camera, double off_px)
+    : eye_x_(camera.eye.x), eye_y_(camera.eye.y), eye_z_(camera.eye.z) {
   v_.fill(-std::numeric_limits<float>::infinity());
   const CameraAxes axes = camera.axes();
   // The picture's right is level, so this is the view's own azimuth.
@@ -30,19 +31,22 @@ Horizon::Horizon(const Camera& camera) : eye_x_(camera.eye.x), eye_y_(camera.eye
   double u_high = -std::numeric_limits<double>::infinity();
   u_low_ = -u_high;
   usable_ = true;
+  double least_ahead = 1;
   for (const double x : {0.0, static_cast<double>(camera.width_px)}) {
     for (const double y : {0.0, static_cast<double>(camera.height_px)}) {
       const glm::dvec3 ray = camera.ray(x, y);
       const double ahead = ray.x * ahead_x_ + ray.y * ahead_y_;
       const double right = ray.x * axes.right.x + ray.y * axes.right.y;
-      if (ahead < kLeastAhead * std::sqrt(ray.x * ray.x + ray.y * ray.y + ray.z * ray.z)) usable_ = false;
+      least_ahead = std::min(least_ahead, ahead / std::sqrt(ray.x * ray.x + ray.y * ray.y + ray.z * ray.z));
       u_low_ = std::min(u_low_, right / ahead);
       u_high = std::max(u_high, right / ahead);
     }
   }
+  usable_ = least_ahead >= kLeastAhead;
   if (!usable_) return;
   bins_per_u_ = static_cast<double>(kBins) / (u_high - u_low_);
-  margin_ = kMarginPx / camera.focal_px();
+  // Both are off; in the picture, distances are at most 1 / least_ahead of what they are ahead.
+  margin_ = (kMarginPx + 2 * off_px / least_ahead) / camera.focal_px();
 }
 
 void Horizon::place_eye(bool above_ground) {

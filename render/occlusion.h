@@ -31,7 +31,9 @@ class Horizon {
 
   /// A horizon that hides nothing.
   Horizon() = default;
-  explicit Horizon(const Camera& camera);
+  /// `off_px`: what the ground that hides, and that which is hidden, are drawn off their lines and boxes: vertically by
+  /// no more than so many pixels measure across the view at their distance.
+  explicit Horizon(const Camera& camera, double off_px = 0);
 
   /// False when it will hide nothing whatever comes; it then costs nothing.
   bool usable() const { return usable_; }

@@ -88,11 +88,6 @@ GpuRelief PatchReconstructor::make(const cache::TileRelief& relief, GLuint paren
   return out;
 }
 
-void PatchReconstructor::destroy(const GpuRelief& relief) const {
-  gl_->DeleteTextures(1, &relief.heights);
-  gl_->DeleteTextures(1, &relief.normals);
-}
-
 GLuint PatchReconstructor::make_heights(const cache::TileRelief& relief, GLuint parent_heights) const {
   const codec::PatchResidual& residual = relief.residual;
   const int own = residual.side - 2 * codec::kPatchMargin;

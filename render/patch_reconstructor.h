@@ -18,6 +18,11 @@ struct GpuRelief {
   std::size_t bytes = 0;
 };
 
+inline void destroy(const GlFunctions& gl, const GpuRelief& relief) {
+  gl.DeleteTextures(1, &relief.heights);
+  gl.DeleteTextures(1, &relief.normals);
+}
+
 /// Makes wavelet tiles' patches and normals on the graphics card (Yusov & Turlapov 2008, section 4): prediction plus
 /// residual in integers, bit for bit what the processor decodes; normals by central differences. Fragment shaders into
 /// textures, which OpenGL 3.3 can. The framebuffer that is bound and the viewport stay as they are. Lives and dies
@@ -34,7 +39,6 @@ class PatchReconstructor {
   static std::size_t bytes(const cache::TileRelief& relief);
   /// `parent_heights`: of the parent's GpuRelief. Without them a tile that has a parent has no relief.
   GpuRelief make(const cache::TileRelief& relief, GLuint parent_heights) const;
-  void destroy(const GpuRelief& relief) const;
 
   /// The two steps: textures that are the caller's.
   GLuint make_heights(const cache::TileRelief& relief, GLuint parent_heights) const;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -109,6 +110,30 @@ class Walk {
   std::optional<GroundPoint> hit_;
 };
 
+/// Of the triangles with corners place(0), place(1), ...
+template <typename Place>
+double first_of(const Ray& ray, std::size_t corners, const Place& place) {
+  double first = kNever;
+  for (std::size_t i = 0; i < corners; i += 3) first = std::min(first, meet(ray, place(i), place(i + 1), place(i + 2)));
+  return first;
+}
+
+double first_of(const Ray& ray, const cache::StripShape& shape) {
+  const std::vector<std::uint32_t> words = shape.words();
+  const codec::StripWords format(shape.strip());
+  return first_of(ray, words.size(), [&](std::size_t i) {
+    const std::uint32_t w = words[i];
+    return glm::dvec3(format.x(w), format.y(w), format.height(w) << shape.strip().z_shift);
+  });
+}
+
+double first_of(const Ray& ray, const cache::DrawableTile& tile) {
+  return first_of(ray, 3 * std::size_t{tile.surface_triangles}, [&](std::size_t i) {
+    const cache::DrawVertex& v = tile.vertices[tile.index(i)];
+    return glm::dvec3(v.x(), v.y(), v.z());
+  });
+}
+
 }  // namespace
 
 std::optional<double> first_hit(const cache::DrawableTile& tile, const Ray& ray) {
@@ -116,13 +141,7 @@ std::optional<double> first_hit(const cache::DrawableTile& tile, const Ray& ray)
   const auto matrix = tile.frame.matrix({ray.origin.x, ray.origin.y, ray.origin.z});
   const glm::dmat4 to_grid = glm::inverse(glm::make_mat4(matrix.data()));
   const Ray local{glm::dvec3(to_grid[3]), glm::dvec3(to_grid * glm::dvec4(ray.direction, 0))};
-  const auto place = [&](std::size_t i) {
-    const cache::DrawVertex& v = tile.vertices[tile.index(i)];
-    return glm::dvec3(v.x(), v.y(), v.z());
-  };
-  double first = kNever;
-  for (std::size_t i = 0; i < 3 * std::size_t{tile.surface_triangles}; i += 3)
-    first = std::min(first, meet(local, place(i), place(i + 1), place(i + 2)));
+  const double first = tile.native.strip ? first_of(local, *tile.native.strip) : first_of(local, tile);
   if (first == kNever) return std::nullopt;
   return first;
 }

@@ -55,13 +55,20 @@ Expected<Renderer> Renderer::create(const GlFunctions& gl) {
   if (!terrain) return tl::unexpected(terrain.error());
   auto nested = NestedDrawer::create(gl);
   if (!nested) return tl::unexpected(nested.error());
+  auto strips = StripDrawer::create(gl);
+  if (!strips) return tl::unexpected(strips.error());
   auto sky = ShaderProgram::create(gl, "sky.vert.glsl", "sky.frag.glsl");
   if (!sky) return tl::unexpected(sky.error());
-  return Renderer(gl, std::move(*terrain), std::move(*nested), std::move(*sky));
+  return Renderer(gl, std::move(*terrain), std::move(*nested), std::move(*strips), std::move(*sky));
 }
 
-Renderer::Renderer(const GlFunctions& gl, ShaderProgram terrain, NestedDrawer nested, ShaderProgram sky)
-    : gl_(&gl), terrain_(std::move(terrain)), nested_(std::move(nested)), sky_(std::move(sky)) {
+Renderer::Renderer(const GlFunctions& gl, ShaderProgram terrain, NestedDrawer nested, StripDrawer strips,
+                   ShaderProgram sky)
+    : gl_(&gl),
+      terrain_(std::move(terrain)),
+      nested_(std::move(nested)),
+      strips_(std::move(strips)),
+      sky_(std::move(sky)) {
   gl_->GenVertexArrays(1, &no_vertices_);
 }
 
@@ -69,6 +76,7 @@ Renderer::Renderer(Renderer&& other) noexcept
     : gl_(other.gl_),
       terrain_(std::move(other.terrain_)),
       nested_(std::move(other.nested_)),
+      strips_(std::move(other.strips_)),
       sky_(std::move(other.sky_)),
       no_vertices_(std::exchange(other.no_vertices_, 0)) {}
 
@@ -148,6 +156,10 @@ DrawStats Renderer::draw_ground(const Camera& camera, Trees trees, const LodCut&
     begin(nested_.program(), camera, trees, cut, style);
     nested_.draw(camera, trees, cut, pool, style, stats);
   }
+  if (pool.has_strips()) {
+    begin(strips_.program(), camera, trees, cut, style);
+    strips_.draw(camera, trees, cut, pool, style, stats);
+  }
   gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   gl_->BindVertexArray(0);
   return stats;
@@ -162,7 +174,7 @@ void Renderer::draw_meshes(const Camera& camera, Trees trees, const LodCut& cut,
   for (const DrawTile& d : cut.draws) {
     const cache::TileNode& node = trees[d.tree]->nodes()[d.node];
     const GpuTile* tile = pool.use({node.id, d.tree});
-    if (tile == nullptr || tile->chunk) continue;
+    if (tile == nullptr || !tile->is_mesh()) continue;
     const std::array<double, 16> matrix = tile->frame.matrix({camera.eye.x, camera.eye.y, camera.eye.z});
     set(*gl_, address_to_eye, glm::make_mat4(matrix.data()));
     const auto across = static_cast<double>(trees[d.tree]->layout().cells_across(node.id.level));

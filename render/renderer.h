@@ -10,12 +10,13 @@
 #include "render/nested_drawer.h"
 #include "render/offscreen_target.h"
 #include "render/shader_program.h"
+#include "render/strip_drawer.h"
 
 namespace tintree::render {
 
 /// Draws a cut: every tile through the matrix that takes its grid addresses to metres relative to the eye
 /// (codec::GridFrame::matrix, made in double), lit by the sun, tinted by height, with reversed depth. What a tile is on
-/// the card, a mesh or nested levels, decides how it is drawn; all are lit by one fragment shader.
+/// the card, a mesh, nested levels or a strip, decides how it is drawn; all are lit by one fragment shader.
 /// Lives and dies while its context is current; not thread-safe.
 class Renderer {
  public:
@@ -42,7 +43,7 @@ class Renderer {
   static double gap_slope(const Camera& camera, const LodCut& cut);
 
  private:
-  Renderer(const GlFunctions& gl, ShaderProgram terrain, NestedDrawer nested, ShaderProgram sky);
+  Renderer(const GlFunctions& gl, ShaderProgram terrain, NestedDrawer nested, StripDrawer strips, ShaderProgram sky);
   /// Uses a program of the ground and tells it what is the same for all tiles.
   void begin(const ShaderProgram& program, const Camera& camera, Trees trees, const LodCut& cut,
              const Style& style) const;
@@ -52,6 +53,7 @@ class Renderer {
   const GlFunctions* gl_;
   ShaderProgram terrain_;
   NestedDrawer nested_;
+  StripDrawer strips_;
   ShaderProgram sky_;
   GLuint no_vertices_ = 0;  ///< The core profile demands a vertex array even where there is no vertex.
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <string_view>
 #include <utility>
 
 #include "cache/patch_lighting.h"
@@ -14,14 +13,18 @@ namespace {
 /// How far ahead of the camera tiles are fetched, and the most at once.
 constexpr double kAhead_s = 1;
 constexpr std::size_t kMostAhead = 2048;
-/// The method whose tiles are drawn by their nested levels.
-constexpr std::string_view kNested = "nested";
 
-std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::span<const PlacedTree> places) {
+/// What the store's tiles are drawn as. A strip on its way to its parent is a mesh.
+cache::Ground ground_of(const cache::TileStore& store, const SceneOptions& options) {
+  const cache::Ground native = cache::native_ground_of(store.manifest().method);
+  return options.cut.morph && native == cache::Ground::kStrip ? cache::Ground::kMesh : native;
+}
+
+std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::span<const PlacedTree> places,
+                                              const SceneOptions& options) {
   std::vector<cache::TileCache::Source> out;
   for (std::size_t i = 0; i < stores.size(); ++i) {
-    const bool nested = stores[i]->manifest().method == kNested;
-    out.push_back({stores[i], places[i].layout, places[i].joined_sides, nested});
+    out.push_back({stores[i], places[i].layout, places[i].joined_sides, ground_of(*stores[i], options)});
   }
   return out;
 }
@@ -29,16 +32,24 @@ std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::
 /// Whether its tiles are lit by their patches.
 bool has_reliefs(const cache::TileStore* store) { return cache::lit_by_patches(store->manifest()); }
 
-/// A half of the graphics memory is for pictures where there are any; of the rest nested trees have their share.
-GpuBudgets budgets(TerrainScene::Stores stores, std::size_t gpu_bytes) {
+bool has_strips(TerrainScene::Stores stores, const SceneOptions& options) {
+  return std::ranges::any_of(
+      stores, [&](const cache::TileStore* store) { return ground_of(*store, options) == cache::Ground::kStrip; });
+}
+
+/// A half of the graphics memory is for pictures where there are any, a quarter where there are but the normals of
+/// strips; of the rest nested trees have their share.
+GpuBudgets budgets(TerrainScene::Stores stores, const SceneOptions& options) {
+  const std::size_t gpu_bytes = options.gpu_bytes;
   const bool pictures = std::ranges::any_of(stores, [](const cache::TileStore* store) {
     return store->manifest().texture_size > 0 || store->manifest().normal_maps || has_reliefs(store);
   });
-  const std::size_t rest = pictures ? gpu_bytes / 2 : gpu_bytes;
-  const auto nested = static_cast<std::size_t>(
-      std::ranges::count_if(stores, [](const cache::TileStore* store) { return store->manifest().method == kNested; }));
+  const std::size_t share = pictures ? gpu_bytes / 2 : has_strips(stores, options) ? gpu_bytes / 4 : 0;
+  const std::size_t rest = gpu_bytes - share;
+  const auto nested = static_cast<std::size_t>(std::ranges::count_if(
+      stores, [&](const cache::TileStore* store) { return ground_of(*store, options) == cache::Ground::kNested; }));
   const std::size_t nested_bytes = rest / stores.size() * nested;
-  return {.mesh_bytes = rest - nested_bytes, .picture_bytes = gpu_bytes - rest, .nested_bytes = nested_bytes};
+  return {.mesh_bytes = rest - nested_bytes, .picture_bytes = share, .nested_bytes = nested_bytes};
 }
 
 }  // namespace
@@ -51,11 +62,16 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
   if (!places) return tl::unexpected(places.error());
   auto renderer = Renderer::create(gl);
   if (!renderer) return tl::unexpected(renderer.error());
-  std::unique_ptr<PatchReconstructor> reconstructor;
+  GpuMakers makers;
   if (std::ranges::any_of(stores, has_reliefs)) {
     auto made = PatchReconstructor::create(gl);
     if (!made) return tl::unexpected(made.error());
-    reconstructor = std::move(*made);
+    makers.reliefs = std::move(*made);
+  }
+  if (has_strips(stores, options)) {
+    auto made = StripUnpacker::create(gl, GpuTilePool::kLargestPage);
+    if (!made) return tl::unexpected(made.error());
+    makers.strips = std::move(*made);
   }
   std::unique_ptr<FarPicture> far_picture;
   if (options.impostors) {
@@ -63,8 +79,8 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
     if (!made) return tl::unexpected(made.error());
     far_picture = std::move(*made);
   }
-  return std::unique_ptr<TerrainScene>(new TerrainScene(gl, stores, *places, options, std::move(*renderer),
-                                                        std::move(reconstructor), std::move(far_picture)));
+  return std::unique_ptr<TerrainScene>(
+      new TerrainScene(gl, stores, *places, options, std::move(*renderer), std::move(makers), std::move(far_picture)));
 }
 
 Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& gl, const cache::TileStore& store,
@@ -74,19 +90,19 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
 }
 
 TerrainScene::TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places,
-                           const SceneOptions& options, Renderer renderer,
-                           std::unique_ptr<PatchReconstructor> reconstructor, std::unique_ptr<FarPicture> far_picture)
+                           const SceneOptions& options, Renderer renderer, GpuMakers makers,
+                           std::unique_ptr<FarPicture> far_picture)
     : options_(options),
       cache_(std::make_unique<cache::TileCache>(
-          sources(stores, places),
+          sources(stores, places, options),
           cache::TileCache::Options{
               .bytes = options.cache_bytes, .morph = options.cut.morph, .texture_blocks = gl.texture_blocks})),
-      pool_(gl, budgets(stores, options.gpu_bytes), std::move(reconstructor)),
+      pool_(gl, budgets(stores, options), std::move(makers)),
       renderer_(std::move(renderer)),
       far_picture_(std::move(far_picture)) {
   placed_.reserve(stores.size());
   for (std::size_t i = 0; i < stores.size(); ++i) {
-    const bool nested = stores[i]->manifest().method == kNested;
+    const bool nested = ground_of(*stores[i], options) == cache::Ground::kNested;
     nested_.push_back(nested ? 1 : 0);
     const bool even = nested && options.cut.morph;
     if (i > 0 || even) placed_.push_back(stores[i]->bounds().placed(places[i].layout));
@@ -177,9 +193,11 @@ LodCut TerrainScene::advance(const Camera& camera, std::optional<double> seconds
     const GpuTile* tile = pool_.use({trees_[tree]->nodes()[node].id, tree});
     return tile != nullptr ? tile->occluder.get() : nullptr;
   };
+  CutOptions options = options_.cut;
+  if (std::ranges::find(nested_, 1) != nested_.end()) options.off_px = kNestedOff * options.pixel_error;
   const auto choose = [&] {
     return lod_cut(
-        trees_, camera, options_.cut, [this](std::uint32_t tree, std::uint32_t node) { return state(tree, node); },
+        trees_, camera, options, [this](std::uint32_t tree, std::uint32_t node) { return state(tree, node); },
         occlusion_pays_.on(options_.occlusion) ? occluder_of : nullptr);
   };
   LodCut cut = choose();

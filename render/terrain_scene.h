@@ -88,8 +88,7 @@ class TerrainScene {
 
  private:
   TerrainScene(const GlFunctions& gl, Stores stores, std::span<const PlacedTree> places, const SceneOptions& options,
-               Renderer renderer, std::unique_ptr<PatchReconstructor> reconstructor,
-               std::unique_ptr<FarPicture> far_picture);
+               Renderer renderer, GpuMakers makers, std::unique_ptr<FarPicture> far_picture);
   LodCut advance(const Camera& camera, std::optional<double> seconds);
   TileState state(std::uint32_t tree, std::uint32_t node);
   /// Moves tiles that have come to the graphics card; what is still missing is left in `wanted`. Returns

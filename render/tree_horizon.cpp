@@ -14,8 +14,9 @@ constexpr int kLookBelow = 2;
 
 }  // namespace
 
-TreeHorizon::TreeHorizon(const cache::TileBounds& bounds, const Camera& camera, const Frustum& frustum, bool morph)
-    : bounds_(&bounds), camera_(&camera), frustum_(&frustum), morph_(morph), horizon_(camera) {
+TreeHorizon::TreeHorizon(const cache::TileBounds& bounds, const Camera& camera, const Frustum& frustum, bool morph,
+                         double off_px)
+    : bounds_(&bounds), camera_(&camera), frustum_(&frustum), morph_(morph), horizon_(camera, off_px) {
   const auto [column, row] = bounds.layout().grid(camera.eye.x, camera.eye.y);
   eye_column_ = column;
   eye_row_ = row;

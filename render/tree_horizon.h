@@ -15,8 +15,8 @@ class TreeHorizon {
  public:
   /// One that hides nothing.
   TreeHorizon() = default;
-  /// `morph`: tiles are drawn on their way to their parents (render/morph.h).
-  TreeHorizon(const cache::TileBounds& bounds, const Camera& camera, const Frustum& frustum, bool morph);
+  /// `morph`: tiles are drawn on their way to their parents (render/morph.h). `off_px`: CutOptions::off_px.
+  TreeHorizon(const cache::TileBounds& bounds, const Camera& camera, const Frustum& frustum, bool morph, double off_px);
 
   /// A node is hidden with its box, or with the boxes of those below it, which fit closer.
   bool hides(const cache::TileNode& node) const;

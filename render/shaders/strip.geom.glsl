@@ -1,7 +1,7 @@
 // A sub-strip a point; its words go to transform feedback.
 layout(points) in;
 layout(points, max_vertices = 96) out;
-flat in uint strip[];
+flat in uint id[];
 out uint word;
 
 void put(uint value) {
@@ -9,4 +9,4 @@ void put(uint value) {
   EmitVertex();
 }
 
-void main() { decode(strip[0]); }
+void main() { decode(id[0]); }

@@ -1,4 +1,4 @@
 #version 330 core
-flat out uint strip;
+flat out uint id;
 
-void main() { strip = uint(gl_VertexID); }
+void main() { id = uint(gl_VertexID); }

@@ -7,6 +7,7 @@ uniform uint triangles;
 uniform int levels;
 uniform int height_bits;
 uniform uint missing;            // the height of missing vertices, beyond all heights where there are none
+uniform ivec4 borders;           // that skirts hang on: west, north, east, south; -1 for none
 uniform bool skirts;             // what to put out: triangles, or the skirts below their border sides
 
 const uint kFoot = 0x80000000u;
@@ -26,8 +27,7 @@ uint entry(uint index) {
 uint pack_vertex(ivec3 v) { return uint(v.x) | uint(v.y) << (levels + 1) | uint(v.z) << (2 * levels + 2); }
 
 bool on_border(ivec3 a, ivec3 b) {
-  int span = 1 << levels;
-  return (a.x == b.x && (a.x == 0 || a.x == span)) || (a.y == b.y && (a.y == 0 || a.y == span));
+  return (a.x == b.x && (a.x == borders.x || a.x == borders.z)) || (a.y == b.y && (a.y == borders.y || a.y == borders.w));
 }
 
 void put_skirt(ivec3 a, ivec3 b) {

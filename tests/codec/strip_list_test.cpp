@@ -62,7 +62,7 @@ TEST(StripList, HangsSkirtsFromTheBorder) {
   const StripWords format(payload);
   std::vector<std::uint32_t> words(3 * payload.triangles);
   follow_strip(payload, words);
-  const auto skirts = strip_skirts(payload, words);
+  const auto skirts = strip_skirts(payload, words, whole_borders(payload.levels));
   // Two triangles a border edge; the edges' lengths add up to the outline, every vertex on it at its own place.
   std::uint32_t length = 0;
   ASSERT_EQ(skirts.size() % 6, 0U);
@@ -78,6 +78,26 @@ TEST(StripList, HangsSkirtsFromTheBorder) {
     length += apart(format.x(a), format.x(b)) + apart(format.y(a), format.y(b));
   }
   EXPECT_EQ(length, 4U * 32);
+}
+
+/// Of a border that lies further in, both sides have them; of none, nothing.
+TEST(StripList, HangsSkirtsWhereToldTo) {
+  std::mt19937 random(34);
+  const auto bytes = *StripMesh().encode(test::random_quadtree(random, {.levels = 5, .splits = 40}));
+  const StripPayload payload = *open_strip(bytes);
+  const StripWords format(payload);
+  std::vector<std::uint32_t> words(3 * payload.triangles);
+  follow_strip(payload, words);
+  EXPECT_TRUE(strip_skirts(payload, words, {-1, -1, -1, -1}).empty());
+  for (const std::uint32_t word : strip_skirts(payload, words, {-1, -1, -1, 32})) EXPECT_EQ(format.y(word), 32U);
+  std::uint32_t length = 0;
+  const auto skirts = strip_skirts(payload, words, {0, -1, -1, -1});
+  for (std::size_t i = 0; i < skirts.size(); i += 6) {
+    EXPECT_EQ(format.x(skirts[i]), 0U);
+    length += format.y(skirts[i]) > format.y(skirts[i + 1]) ? format.y(skirts[i]) - format.y(skirts[i + 1])
+                                                            : format.y(skirts[i + 1]) - format.y(skirts[i]);
+  }
+  EXPECT_EQ(length, 32U);
 }
 
 TEST(StripList, KnowsWhatDoesNotFit) {

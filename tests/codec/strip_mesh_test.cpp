@@ -34,6 +34,9 @@ void expect_round_trip(const MeshCodec& codec, const TileMesh& mesh) {
 void expect_round_trip(const TileMesh& mesh) {
   expect_round_trip(kCodec, mesh);
   expect_round_trip(kCoded, mesh);
+  const auto packed = *kCodec.encode(mesh);
+  EXPECT_EQ(*packed_strip(*kCoded.encode(mesh)), packed);
+  EXPECT_EQ(*packed_strip(packed), packed);
 }
 
 TEST(StripMesh, KeepsRandomQuadtrees) {

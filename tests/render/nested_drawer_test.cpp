@@ -36,8 +36,10 @@ class NestedSceneTest : public OsMesaTest {
     style_.background = glm::vec3(1, 0, 1);
   }
 
-  void open(double pixel_error, bool morph, std::size_t gpu_bytes = std::size_t{64} << 20) {
+  void open(double pixel_error, bool morph, std::size_t gpu_bytes = std::size_t{64} << 20,
+            Occlusion occlusion = Occlusion::kOff) {
     SceneOptions options;
+    options.occlusion = occlusion;
     options.cut = {.pixel_error = pixel_error, .morph = morph};
     options.gpu_bytes = gpu_bytes;
     auto made = TerrainScene::create(gl_, *store_, options);
@@ -172,6 +174,37 @@ TEST_F(NestedFlight, MorphsWithoutAJump) {
   const double jumping = jump(false);
   EXPECT_LT(morphing, 1.08);
   EXPECT_GT(jumping, 1.15) << "the measure sees no jump";
+}
+
+/// From low over the ground, where hills stand before hills.
+TEST_F(NestedSceneTest, WhatIsHiddenChangesNothing) {
+  std::uint32_t hidden = 0;
+  std::set<int> levels;
+  for (const bool morph : {false, true}) {
+    for (const double pixel_error : {1.0, 4.0}) {
+      std::vector<Picture> whole;
+      for (const Occlusion occlusion : {Occlusion::kOff, Occlusion::kAlways}) {
+        open(pixel_error, morph, std::size_t{64} << 20, occlusion);
+        for (int i = 0; i < 4; ++i) {
+          const double x = 200 + 230 * i;
+          const double y = -1250 + 90 * i;
+          const glm::dvec3 eye(x, y, NestedTree::ground_m(x, y) + 4 + 3 * i);
+          draw(camera(eye, eye + glm::dvec3(30 - 20 * i, 300, -12)));
+          for (const DrawTile& d : cut_.draws) levels.insert(d.nested_level);
+          hidden += cut_.occluded;
+          const Picture seen = target_->read_picture();
+          if (occlusion == Occlusion::kOff) {
+            EXPECT_EQ(cut_.occluded, 0U);
+            whole.push_back(seen);
+          } else {
+            EXPECT_EQ(seen.rgb, whole[static_cast<std::size_t>(i)].rgb) << i << ", pixel error " << pixel_error;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(hidden, 10U) << "nothing was hidden";
+  EXPECT_GT(levels.size(), 1U) << "all tiles were drawn by their own meshes";
 }
 
 TEST_F(NestedSceneTest, DrawsCoarserWithinTheMemory) {

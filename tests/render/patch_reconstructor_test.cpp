@@ -189,7 +189,7 @@ TEST_F(PatchReconstructorTest, NormalsAreThoseOfTheSurface) {
       }
       // Half a unit (16 mm at the leaves) over 2.5 m is the rounding of the heights.
       EXPECT_LT(worst, 1.0 / 128);
-      reconstructor_->destroy(made);
+      destroy(gl_, made);
     }
   }
 }
@@ -255,7 +255,7 @@ TEST_F(PatchReconstructorTest, NothingIsTakenFromHolesOrFromBeyondTheRaster) {
             ASSERT_NEAR(static_cast<double>(got[at + k]), want[k], 1e-3) << x << " " << y;
         }
       }
-      reconstructor_->destroy(made);
+      destroy(gl_, made);
     }
   }
 }

@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "codec/strip_list.h"
 #include "codec/strip_mesh.h"
-#include "render/offscreen_target.h"
 #include "tests/codec/random_quadtree.h"
 #include "tests/render/osmesa_test.h"
 
@@ -28,7 +29,31 @@ std::vector<std::array<std::uint32_t, 6>> sorted(const Words& skirts) {
   return out;
 }
 
-class StripDecoderTest : public OsMesaTest, public testing::WithParamInterface<StripDecoder::Path> {};
+constexpr std::uint32_t kUntouched = 0xabcdef01;
+
+class StripDecoderTest : public OsMesaTest, public testing::WithParamInterface<StripDecoder::Path> {
+ protected:
+  void TearDown() override {
+    for (const GLuint buffer : buffers_) gl_.DeleteBuffers(1, &buffer);
+  }
+  GLuint make_buffer(std::size_t words) {
+    const Words values(words, kUntouched);
+    gl_.GenBuffers(1, &buffers_.emplace_back());
+    gl_.BindBuffer(GL_ARRAY_BUFFER, buffers_.back());
+    gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(4 * words), values.data(), GL_DYNAMIC_COPY);
+    return buffers_.back();
+  }
+  static Words read(GLuint buffer, std::size_t first, std::size_t count) {
+    Words out(count);
+    gl_.BindBuffer(GL_ARRAY_BUFFER, buffer);
+    gl_.GetBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(4 * first), static_cast<GLsizeiptr>(4 * count),
+                         out.data());
+    return out;
+  }
+
+ private:
+  std::vector<GLuint> buffers_;
+};
 
 TEST_P(StripDecoderTest, GivesTheSameTrianglesAsTheProcessor) {
   const auto decoder = StripDecoder::create(gl_, GetParam());
@@ -43,12 +68,19 @@ TEST_P(StripDecoderTest, GivesTheSameTrianglesAsTheProcessor) {
     const StripPayload payload = *codec::open_strip(bytes);
     Words expected(3 * payload.triangles);
     codec::follow_strip(payload, expected);
-    const Words skirts = codec::strip_skirts(payload, expected);
-    const auto words = decoder->decode(payload);
-    ASSERT_TRUE(words) << words.error().text();
-    EXPECT_EQ(words->read(0, words->triangle_words), expected);
-    ASSERT_EQ(words->skirt_words, skirts.size());
-    const Words got = words->read(words->triangle_words, words->skirt_words);
+    codec::StripBorders borders = codec::whole_borders(payload.levels);
+    // Now and then without one, or further in.
+    if (i % 4 == 1) borders[static_cast<std::size_t>(i / 4 % 4)] = i % 3 == 0 ? -1 : 1 << payload.levels >> 1;
+    const Words skirts = codec::strip_skirts(payload, expected, borders);
+    // Somewhere in a buffer, where nothing else is to be touched.
+    const StripRange range{make_buffer(expected.size() + skirts.size() + 12), 5,
+                           static_cast<std::uint32_t>(expected.size()), static_cast<std::uint32_t>(skirts.size())};
+    const auto decoded = decoder->decode(payload, borders, range);
+    ASSERT_TRUE(decoded) << decoded.error().text();
+    EXPECT_EQ(read(range.buffer, 0, 5), Words(5, kUntouched));
+    EXPECT_EQ(read(range.buffer, 5, expected.size()), expected);
+    const Words got = read(range.buffer, 5 + expected.size(), skirts.size());
+    EXPECT_EQ(read(range.buffer, 5 + expected.size() + skirts.size(), 7), Words(7, kUntouched));
     EXPECT_EQ(sorted(got), sorted(skirts));
     if (GetParam() == StripDecoder::Path::kFeedback) {
       EXPECT_EQ(got, skirts);
@@ -64,42 +96,8 @@ TEST_P(StripDecoderTest, RefusesWhatDoesNotFitIntoWords) {
   for (const test::QuadtreeSpec& spec :
        {test::QuadtreeSpec{.levels = 11, .splits = 8}, {.levels = 9, .splits = 30, .height_range = 4095}}) {
     const auto bytes = *codec::StripMesh().encode(test::random_quadtree(random, spec));
-    EXPECT_FALSE(decoder->decode(*codec::open_strip(bytes)));
+    EXPECT_FALSE(decoder->decode(*codec::open_strip(bytes), codec::whole_borders(9), {}));
   }
-}
-
-TEST_P(StripDecoderTest, DrawsFromTheIndexBufferAlone) {
-  const auto decoder = StripDecoder::create(gl_, GetParam());
-  const auto drawer = StripDrawer::create(gl_);
-  ASSERT_TRUE(decoder && drawer);
-  std::mt19937 random(43);
-  codec::TileMesh mesh = test::random_quadtree(random, {.levels = 4, .splits = 30});
-  // A slope, so that what lies between vertices is known: from black in the west to white in the east.
-  for (codec::GridVertex& v : mesh.vertices) v.z = v.x * 16 - (v.x == 16 ? 1 : 0);
-  const auto bytes = *codec::StripMesh().encode(mesh);
-  const StripPayload payload = *codec::open_strip(bytes);
-  const auto words = decoder->decode(payload);
-  ASSERT_TRUE(words);
-  constexpr int kSide = 128;
-  auto target = OffscreenTarget::create(gl_, kSide, kSide, 1);
-  ASSERT_TRUE(target);
-  target->bind();
-  gl_.Disable(GL_DEPTH_TEST);
-  gl_.Disable(GL_FRAMEBUFFER_SRGB);
-  gl_.ClearColor(1, 0, 0, 1);
-  gl_.Clear(GL_COLOR_BUFFER_BIT);
-  // From above, the tile fills the picture; skirts stand on edge.
-  const float step = 2.0F / 16;
-  drawer->draw(*words, payload, {step, 0, 0, 0, 0, -step, 0, 0, 0, 0, 0, 0, -1, 1, 0, 1}, 3);
-  const Picture picture = target->read_picture();
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      const auto rgb = picture.at(x, y);
-      ASSERT_NEAR(rgb[0], 256.0 * (x + 0.5) / kSide, 3) << x << ' ' << y;
-      ASSERT_EQ(rgb[0], rgb[1]) << x << ' ' << y;
-    }
-  }
-  EXPECT_EQ(gl_.GetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
 
 INSTANTIATE_TEST_SUITE_P(Paths, StripDecoderTest,

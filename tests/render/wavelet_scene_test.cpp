@@ -211,7 +211,8 @@ TEST_F(WaveletSceneTest, ReliefsKeepWithinTheGraphicsMemory) {
     SCOPED_TRACE(pictures);
     auto reconstructor = PatchReconstructor::create(gl_);
     ASSERT_TRUE(reconstructor);
-    GpuTilePool pool(gl_, {.mesh_bytes = std::size_t{4} << 20, .picture_bytes = pictures}, std::move(*reconstructor));
+    GpuTilePool pool(gl_, {.mesh_bytes = std::size_t{4} << 20, .picture_bytes = pictures},
+                     {std::move(*reconstructor), nullptr});
     cache::TileCache cache(store, {});
     std::vector<cache::TileRef> all;
     for (const cache::TileNode& node : store.bounds().nodes()) all.push_back({node.id, 0});

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "codec/error.h"
+#include "render/camera.h"
+#include "render/gl_functions.h"
+#include "render/gpu_tile_pool.h"
+#include "render/ground_style.h"
+#include "render/lod_cut.h"
+#include "render/shader_program.h"
+
+namespace tintree::render {
+
+/// Draws tiles of method `strip` straight from their words (GpuStrip): the index of a vertex is all that there is of
+/// it, and the card's vertex cache sees that neighbours in the strip share two (Dick et al. 2009, section 6). Lives and
+/// dies while its context is current; not thread-safe.
+class StripDrawer {
+ public:
+  /// `gl` must outlive it. Fails with kIo when the driver refuses a shader.
+  static Expected<StripDrawer> create(const GlFunctions& gl);
+
+  /// For what is the same for all tiles of a picture.
+  const ShaderProgram& program() const { return program_; }
+
+  /// Draws the tiles of the cut that are strips, with what program() has been told.
+  void draw(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool, const Style& style,
+            DrawStats& stats) const;
+
+ private:
+  StripDrawer(const GlFunctions& gl, ShaderProgram program);
+
+  const GlFunctions* gl_;
+  ShaderProgram program_;
+};
+
+}  // namespace tintree::render

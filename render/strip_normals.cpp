@@ -1,0 +1,118 @@
+#include "render/strip_normals.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace tintree::render {
+namespace {
+
+/// A square texture that is bound to unit 0.
+GLuint make_texture(const GlFunctions& gl, GLenum stored_as, GLenum channels, GLint filter, int texels) {
+  GLuint id = 0;
+  gl.ActiveTexture(GL_TEXTURE0);
+  gl.GenTextures(1, &id);
+  gl.BindTexture(GL_TEXTURE_2D, id);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(stored_as), texels, texels, 0, channels, GL_FLOAT, nullptr);
+  return id;
+}
+
+/// Texels from side to side of the tile: a power of two, so that places lie on texels or halfway between.
+int intervals(const codec::StripHead& head) {
+  int out = 1 << head.levels;
+  while (out > 2 && std::int64_t{out} * out > 2 * std::int64_t{head.triangles}) out /= 2;
+  return out;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<StripNormals>> StripNormals::create(const GlFunctions& gl) {
+  auto sums = ShaderProgram::link(gl, std::array{ShaderStage{GL_VERTEX_SHADER, "strip.vert.glsl"},
+                                                 ShaderStage{GL_GEOMETRY_SHADER, "strip_sums.geom.glsl"},
+                                                 ShaderStage{GL_FRAGMENT_SHADER, "strip_sums.frag.glsl"}});
+  if (!sums) return tl::unexpected(sums.error());
+  auto normals = ShaderProgram::create(gl, "strip_normals.vert.glsl", "strip_normals.frag.glsl");
+  if (!normals) return tl::unexpected(normals.error());
+  return std::unique_ptr<StripNormals>(new StripNormals(gl, std::move(*sums), std::move(*normals)));
+}
+
+StripNormals::StripNormals(const GlFunctions& gl, ShaderProgram sums, ShaderProgram normals)
+    : gl_(&gl), sums_(std::move(sums)), normals_(std::move(normals)) {
+  gl_->GenFramebuffers(1, &framebuffer_);
+}
+
+StripNormals::~StripNormals() { gl_->DeleteFramebuffers(1, &framebuffer_); }
+
+std::size_t StripNormals::bytes(const codec::StripHead& head) {
+  const auto texels = static_cast<std::size_t>(intervals(head)) + 1;
+  return 4 * texels * texels;
+}
+
+GLuint StripNormals::make(const codec::StripHead& head, const codec::GridFrame& frame, GLuint vertex_array,
+                          std::uint32_t first_word) const {
+  const GlFunctions& gl = *gl_;
+  GLint framebuffer = 0;
+  std::array<GLint, 4> viewport{};
+  gl.GetIntegerv(GL_FRAMEBUFFER_BINDING, &framebuffer);
+  gl.GetIntegerv(GL_VIEWPORT, viewport.data());
+  gl.Disable(GL_DEPTH_TEST);
+  gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  const auto draw = [&](GLenum kind) {
+    gl.DrawElements(kind, static_cast<GLsizei>(3 * head.triangles), GL_UNSIGNED_INT,
+                    reinterpret_cast<const void*>(std::size_t{4} * first_word));
+  };
+
+  const int places = (1 << head.levels) + 1;
+  const GLuint sums = make_texture(gl, GL_RGBA32F, GL_RGBA, GL_NEAREST, places);
+  const double step = std::ldexp(1.0, frame.xy_shift);
+  const auto metres = [&](double axis, double spacing_m) { return static_cast<float>(axis * spacing_m * step); };
+  sums_.use();
+  gl.Uniform1i(sums_.uniform("xy_bits"), head.levels + 1);
+  gl.Uniform4f(sums_.uniform("axes"), metres(frame.axes.column[0], frame.dx_m),
+               metres(frame.axes.column[1], frame.dx_m), metres(frame.axes.row[0], frame.dy_m),
+               metres(frame.axes.row[1], frame.dy_m));
+  gl.Uniform1f(sums_.uniform("height_m"), static_cast<float>(std::ldexp(frame.z_step_m, head.z_shift)));
+  gl.Uniform1f(sums_.uniform("texels"), static_cast<float>(places));
+  draw_into(sums, places, vertex_array);
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_ONE, GL_ONE);
+  draw(GL_TRIANGLES);
+  gl.Disable(GL_BLEND);
+
+  const int texels = intervals(head) + 1;
+  const GLuint out = make_texture(gl, GL_RG16F, GL_RG, GL_LINEAR, texels);
+  gl.BindTexture(GL_TEXTURE_2D, sums);
+  normals_.use();
+  gl.Uniform1i(normals_.uniform("sums"), 0);
+  gl.Uniform1i(normals_.uniform("xy_bits"), head.levels + 1);
+  gl.Uniform1f(normals_.uniform("spacing"), static_cast<float>(texels - 1) / static_cast<float>(places - 1));
+  gl.Uniform1f(normals_.uniform("texels"), static_cast<float>(texels));
+  draw_into(out, texels, vertex_array);
+  // Points too, so that a hole's rim, between texels, has normals beyond it.
+  draw(GL_POINTS);
+  draw(GL_TRIANGLES);
+
+  gl.BindVertexArray(0);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, 0, 0);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(framebuffer));
+  gl.Viewport(viewport[0], viewport[1], viewport[2], viewport[3]);
+  gl.DeleteTextures(1, &sums);
+  return out;
+}
+
+/// Binds what is to be drawn into, cleared, and what is to be drawn.
+void StripNormals::draw_into(GLuint texture, int texels, GLuint vertex_array) const {
+  gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  gl_->FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
+  gl_->Viewport(0, 0, texels, texels);
+  gl_->ClearColor(0, 0, 0, 0);
+  gl_->Clear(GL_COLOR_BUFFER_BIT);
+  gl_->BindVertexArray(vertex_array);
+}
+
+}  // namespace tintree::render
