@@ -46,6 +46,7 @@ GpuTilePool::GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets,
     : gl_(&gl),
       budgets_(budgets),
       textures_(gl),
+      fine_textures_(gl, budgets.fine_texture_bytes, budgets.fine_texture_kinds),
       nested_(gl, budgets.nested_bytes),
       reconstructor_(std::move(reconstructor)) {}
 
