@@ -77,7 +77,8 @@ struct MorphMesh {
   std::size_t bytes() const { return vertices.size() * sizeof(MorphVertex) + indices.size() * sizeof(std::uint32_t); }
 };
 
-/// A tile ready for upload: a mesh, or a NativeGround. Immutable once made.
+/// A tile ready for upload: a mesh, or a NativeGround; or, on a square in a leaf, a finer texture of it, with `pictures`
+/// only. Immutable once made.
 struct DrawableTile {
   codec::TileId id;
   codec::GridFrame frame;  ///< Takes the vertices' addresses to metres.
@@ -88,7 +89,7 @@ struct DrawableTile {
   std::vector<std::uint32_t> wide_indices;
   std::uint32_t surface_triangles = 0;
   std::optional<MorphMesh> morph;            ///< None for a tile that does not morph.
-  std::shared_ptr<const Occluder> occluder;  ///< What the surface hides; never null.
+  std::shared_ptr<const Occluder> occluder;  ///< What the surface hides; null without a surface.
   TilePictures pictures;                     ///< make_drawable() leaves them out,
   std::optional<TileRelief> relief;          ///< and this: of tiles that are lit by their patch.
   NativeGround native;                       ///< What is drawn in the mesh's place; make_drawable() leaves it out.
@@ -98,8 +99,8 @@ struct DrawableTile {
   std::size_t vertex_bytes() const { return vertices.size() * sizeof(DrawVertex); }
   std::size_t index_bytes() const { return 2 * indices.size() + 4 * wide_indices.size(); }
   std::size_t bytes() const {
-    return sizeof *this + vertex_bytes() + index_bytes() + (morph ? morph->bytes() : 0) + occluder->bytes() +
-           pictures.bytes() + (relief ? relief->bytes() : 0) + native.bytes();
+    return sizeof *this + vertex_bytes() + index_bytes() + (morph ? morph->bytes() : 0) +
+           (occluder ? occluder->bytes() : 0) + pictures.bytes() + (relief ? relief->bytes() : 0) + native.bytes();
   }
 };
 

@@ -101,7 +101,10 @@ bool pictures_are_sane(const Manifest& m) {
     const int size = m.picture_size(kind);
     return size == 0 || (size >= 2 && size <= codec::kMaxImageSize);
   };
-  return m.texture_size >= 0 && m.texture_size < codec::kMaxImageSize && size_ok(PictureKind::kTexture) &&
+  const bool depth_ok = m.texture_depth >= 0 && m.texture_depth <= kMostTextureDepth &&
+                        m.layout.tile_cells >> m.texture_depth > 0 &&
+                        m.picture_layout(PictureKind::kTexture).leaf_level <= codec::kMaxLevel;
+  return depth_ok && m.texture_size >= 0 && m.texture_size < codec::kMaxImageSize && size_ok(PictureKind::kTexture) &&
          size_ok(PictureKind::kNormal);
 }
 
@@ -148,6 +151,7 @@ std::string Manifest::to_json() const {
   };
   if (texture_size > 0) {
     j["texture_size"] = texture_size;
+    if (texture_depth > 0) j["texture_depth"] = texture_depth;
     j["texture_codec"] = texture_codec;
     j["orthos"] = files_to_json(orthos);
   }
@@ -197,6 +201,7 @@ Expected<Manifest> Manifest::from_json(const std::string& text) {
     m.inputs = files_from_json(j.at("inputs"));
     if (j.contains("texture_size")) {
       m.texture_size = j.at("texture_size").get<int>();
+      m.texture_depth = j.value("texture_depth", 0);
       m.texture_codec = j.at("texture_codec").get<std::string>();
       m.orthos = files_from_json(j.at("orthos"));
     }
@@ -237,6 +242,7 @@ std::string Manifest::difference(const Manifest& other) const {
   if (a.z_step_m != b.z_step_m) return "height steps";
   if (std::string photos = other_orthos(orthos, other.orthos); !photos.empty()) return photos;
   if (std::string size = differ("--texture-size", texture_size, other.texture_size); !size.empty()) return size;
+  if (std::string depth = differ("--texture-depth", texture_depth, other.texture_depth); !depth.empty()) return depth;
   return differ("--texture-codec", texture_codec, other.texture_codec);
 }
 

@@ -12,6 +12,9 @@
 
 namespace tintree::cache {
 
+/// The smallest squares with textures of their own are leaves halved so often.
+inline constexpr int kMostTextureDepth = 5;
+
 /// What a tree is: stored as JSON in its file (docs/format.md, Manifest).
 struct Manifest {
   std::string method = "tin";
@@ -27,6 +30,7 @@ struct Manifest {
   std::vector<InputFile> inputs;  ///< In the order given: where they overlap, the later one counts.
   std::string samples_digest;     ///< XXH3-128 over the DEM's heights; equal heights give equal digests.
   int texture_size = 0;           ///< Texels along a tile's side less the one that it shares; 0: no textures.
+  int texture_depth = 0;          ///< How often leaves are halved for finer textures, at most kMostTextureDepth.
   std::string texture_codec;      ///< codec::find_texture_codec(); empty without textures.
   std::vector<InputFile> orthos;  ///< What the textures were made from; the later one lies on top.
   bool normal_maps = false;       ///< Tiles have normal maps, of tile_cells + 1 texels a side.
@@ -37,6 +41,11 @@ struct Manifest {
   int picture_size(PictureKind kind) const {
     if (kind == PictureKind::kTexture) return texture_size > 0 ? texture_size + 1 : 0;
     return normal_maps ? layout.tile_cells + 1 : 0;
+  }
+
+  /// The squares that pictures of this kind lie on: those of the tiles, and of textures smaller ones in leaves.
+  codec::TreeLayout picture_layout(PictureKind kind) const {
+    return layout.deepened(kind == PictureKind::kTexture ? texture_depth : 0);
   }
 
   std::string to_json() const;

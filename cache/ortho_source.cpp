@@ -222,10 +222,23 @@ Expected<GDALDatasetUniquePtr> Photo::warped(const RasterInfo& dem, double step)
   return out;
 }
 
-/// A photo beside what is known of its place over the DEM.
+/// What is known of a photo's place over the DEM.
 struct Meeting {
   bool meets = false;
   double pixel_samples = 0;
+  /// The columns and rows of the DEM's grid that it lies between.
+  std::array<double, 2> low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  std::array<double, 2> high{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+
+  void add(double column, double row) {
+    low = {std::min(low[0], column), std::min(low[1], row)};
+    high = {std::max(high[0], column), std::max(high[1], row)};
+  }
+  /// Takes it to lie anywhere.
+  void add_everything() {
+    add(-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity());
+    add(std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
+  }
 };
 
 Expected<Meeting> meet(const Photo& photo, const RasterInfo& dem) {
@@ -251,6 +264,11 @@ Expected<Meeting> meet(const Photo& photo, const RasterInfo& dem) {
     const auto there = move(false, kCentre + u * columns, kCentre + v * rows);
     out.meets |= there && (*there)[0] >= 0 && (*there)[0] <= width && (*there)[1] >= 0 && (*there)[1] <= height;
     const auto here = move(true, u * width, v * height);
+    if (here) {
+      out.add((*here)[0] - kCentre, (*here)[1] - kCentre);
+    } else {
+      out.add_everything();
+    }
     out.meets |= here && (*here)[0] >= kCentre && (*here)[0] <= kCentre + columns && (*here)[1] >= kCentre &&
                  (*here)[1] <= kCentre + rows;
   }
@@ -271,6 +289,7 @@ struct OrthoSource::Impl {
   std::vector<InputFile> inputs;
   std::vector<std::string> warnings;
   std::vector<Photo> photos;
+  std::vector<Meeting> places;  // of the photos
   double pixel_samples = std::numeric_limits<double>::infinity();
   std::mutex turn;                                             // guards what follows and GDAL
   std::map<double, std::vector<GDALDatasetUniquePtr>> warped;  // by step
@@ -302,6 +321,7 @@ Expected<void> OrthoSource::Impl::add(const std::string& path) {
   }
   if (meeting->pixel_samples > 0) pixel_samples = std::min(pixel_samples, meeting->pixel_samples);
   photos.push_back(std::move(photo));
+  places.push_back(*meeting);
   return {};
 }
 
@@ -323,6 +343,17 @@ OrthoSource::~OrthoSource() = default;
 const std::vector<InputFile>& OrthoSource::inputs() const { return impl_->inputs; }
 const std::vector<std::string>& OrthoSource::warnings() const { return impl_->warnings; }
 double OrthoSource::pixel_samples() const { return impl_->pixel_samples; }
+
+double OrthoSource::pixel_samples_in(const codec::CellRect& cells) const {
+  double finest = std::numeric_limits<double>::infinity();
+  for (const Meeting& place : impl_->places) {
+    const bool reaches =
+        place.low[0] < static_cast<double>(cells.column1) && place.low[1] < static_cast<double>(cells.row1) &&
+        place.high[0] > static_cast<double>(cells.column0) && place.high[1] > static_cast<double>(cells.row0);
+    if (reaches && place.pixel_samples > 0) finest = std::min(finest, place.pixel_samples);
+  }
+  return finest;
+}
 
 Expected<OrthoSource> OrthoSource::open(const std::vector<std::string>& paths, const RasterInfo& dem) {
   register_drivers();

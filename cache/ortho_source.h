@@ -11,6 +11,7 @@
 #include "cache/raster_frame.h"
 #include "cache/raster_source.h"
 #include "codec/error.h"
+#include "codec/grid_frame.h"
 
 namespace tintree::cache {
 
@@ -42,6 +43,8 @@ class OrthoSource {
   const std::vector<std::string>& warnings() const;
   /// Side of the finest photo's pixels in samples of the DEM, in the middle of the photo.
   double pixel_samples() const;
+  /// The same of those photos only that may reach into a rectangle of the DEM's grid; infinite where none does.
+  double pixel_samples_in(const codec::CellRect& cells) const;
   /// Fails with kIo when a file's size or time has changed since it was opened.
   Expected<void> check_unchanged() const;
 

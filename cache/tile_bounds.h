@@ -73,9 +73,12 @@ class TileBounds {
   double texel_m(int level) const {
     return leaf_texel_m_ * static_cast<double>(layout_.cells_across(level) / layout_.tile_cells);
   }
-  /// The tree's tiles have textures of so many texels a side.
-  void set_texture_size(int texels) {
+  /// How often leaves are halved for finer textures.
+  int texture_depth() const { return texture_depth_; }
+  /// The tree's tiles have textures of so many texels a side, and leaves halved up to `depth` times finer ones.
+  void set_textures(int texels, int depth) {
     leaf_texel_m_ = std::max(layout_.dx_m, layout_.dy_m) * layout_.tile_cells / texels;
+    texture_depth_ = depth;
   }
 
  private:
@@ -83,6 +86,7 @@ class TileBounds {
 
   codec::TreeLayout layout_;
   double leaf_texel_m_ = 0;
+  int texture_depth_ = 0;
   std::vector<TileNode> nodes_;
 };
 

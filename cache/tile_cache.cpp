@@ -89,8 +89,17 @@ Expected<void> add_morph(const TileCache::Source& tree, Parent parent, Loaded& l
   return {};
 }
 
+/// A finer texture on a square in a leaf.
+Expected<Loaded> load_texture(const TileCache::Source& tree, const codec::TileId& id, bool texture_blocks) {
+  Loaded out{std::make_shared<DrawableTile>(), {}, 0};
+  out.tile->id = id;
+  if (auto done = add_pictures(tree, texture_blocks, out); !done) return tl::unexpected(done.error());
+  return out;
+}
+
 Expected<Loaded> prepare(const TileCache::Source& tree, const codec::TileId& id, const TileCache::Options& options,
                          const Parent& parent) try {
+  if (id.level > tree.layout.leaf_level) return load_texture(tree, id, options.texture_blocks);
   auto loaded = load(tree, id, parent);
   if (!loaded) return loaded;
   if (auto done = add_pictures(tree, options.texture_blocks, *loaded); !done) return tl::unexpected(done.error());

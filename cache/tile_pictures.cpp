@@ -42,9 +42,11 @@ Expected<codec::NormalPixels> load_normals(const TileStore& store, const codec::
 }  // namespace
 
 Expected<TilePictures> load_pictures(const TileStore& store, const codec::TileId& id, bool blocks) {
-  const codec::TileId holder = store.manifest().layout.picture_tile(id);
+  const bool in_leaf = id.level > store.manifest().layout.leaf_level;
+  const codec::TileId holder = in_leaf ? id : store.manifest().layout.picture_tile(id);
   auto colors = load_colors(store, holder, blocks);
   if (!colors) return tl::unexpected(colors.error());
+  if (in_leaf) return TilePictures{std::move(*colors), {}, {}};
   auto normals = load_normals(store, holder);
   if (!normals) return tl::unexpected(normals.error());
   return TilePictures{std::move(*colors), std::move(normals->directions), std::move(normals->lengths)};

@@ -21,6 +21,7 @@ struct TilePictures {
 /// Reads and verifies what the tile has, be it the parent's on the same square (TreeLayout::picture_tile). `blocks`:
 /// the card takes BC1; else colours are unpacked (normal maps' BC4 and BC5 every OpenGL 3.3 takes). kBadData, with the
 /// file and the tile named, when something is damaged.
+/// A square in a leaf has a texture only.
 Expected<TilePictures> load_pictures(const TileStore& store, const codec::TileId& id, bool blocks);
 
 }  // namespace tintree::cache

@@ -73,7 +73,7 @@ Expected<TileStore> TileStore::open(const std::string& path) {
     bounds.error().where = path;
     return tl::unexpected(bounds.error());
   }
-  if (manifest->texture_size > 0) bounds->set_texture_size(manifest->texture_size);
+  if (manifest->texture_size > 0) bounds->set_textures(manifest->texture_size, manifest->texture_depth);
   auto impl = std::make_unique<Impl>(std::move(*db), std::move(*manifest), std::move(*bounds));
   return TileStore(std::move(impl));
 }

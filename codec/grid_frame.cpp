@@ -31,6 +31,13 @@ double TreeLayout::bound_m(int level) const {
   return up % levels_per_doubling == 0 ? doubled : doubled * std::numbers::sqrt2;
 }
 
+TreeLayout TreeLayout::deepened(int halvings) const {
+  TreeLayout out = *this;
+  out.leaf_level += halvings * levels_per_doubling;
+  out.tile_cells >>= halvings;
+  return out;
+}
+
 TileId TreeLayout::parent(const TileId& id) const {
   const int shift = child_count(id.level - 1) == 4 ? 1 : 0;
   return {id.level - 1, id.x >> shift, id.y >> shift};

@@ -69,6 +69,8 @@ struct TreeLayout {
   int child_count(int level) const { return halvings(level + 1) > halvings(level) ? 4 : 1; }
   /// Whether its tiles are as small as the leaves.
   bool is_leaf_square(int level) const { return halvings(level) == halvings(leaf_level); }
+  /// The same squares, and below the leaves' theirs, halved so many times more: fewer than halve a leaf to one cell.
+  TreeLayout deepened(int halvings) const;
   /// Undefined for the root.
   TileId parent(const TileId& id) const;
   /// `which` is less than child_count(): of 4, 0 is north-west, 1 north-east, 2 south-west, 3 south-east (Z-order).

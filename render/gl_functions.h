@@ -36,7 +36,9 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLCLEARDEPTHPROC, ClearDepth)                                         \
   X(PFNGLCOMPILESHADERPROC, CompileShader)                                   \
   X(PFNGLCOMPRESSEDTEXIMAGE2DPROC, CompressedTexImage2D)                     \
+  X(PFNGLCOMPRESSEDTEXIMAGE3DPROC, CompressedTexImage3D)                     \
   X(PFNGLCOMPRESSEDTEXSUBIMAGE2DPROC, CompressedTexSubImage2D)               \
+  X(PFNGLCOMPRESSEDTEXSUBIMAGE3DPROC, CompressedTexSubImage3D)               \
   X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                   \
   X(PFNGLCREATESHADERPROC, CreateShader)                                     \
   X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                   \
@@ -86,9 +88,11 @@ using GetGlFunction = std::function<void*(const char* name)>;
   X(PFNGLSHADERSOURCEPROC, ShaderSource)                                     \
   X(PFNGLTEXBUFFERPROC, TexBuffer)                                           \
   X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                         \
+  X(PFNGLTEXIMAGE3DPROC, TexImage3D)                                         \
   X(PFNGLTEXPARAMETERFPROC, TexParameterf)                                   \
   X(PFNGLTEXPARAMETERIPROC, TexParameteri)                                   \
   X(PFNGLTEXSUBIMAGE2DPROC, TexSubImage2D)                                   \
+  X(PFNGLTEXSUBIMAGE3DPROC, TexSubImage3D)                                   \
   X(PFNGLTRANSFORMFEEDBACKVARYINGSPROC, TransformFeedbackVaryings)           \
   X(PFNGLUNIFORM1FPROC, Uniform1f)                                           \
   X(PFNGLUNIFORM1IPROC, Uniform1i)                                           \

@@ -41,7 +41,12 @@ void describe_nothing(const GlFunctions&) {}
 }  // namespace
 
 GpuTilePool::GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets, GpuMakers makers)
-    : gl_(&gl), budgets_(budgets), textures_(gl), nested_(gl, budgets.nested_bytes), makers_(std::move(makers)) {}
+    : gl_(&gl),
+      budgets_(budgets),
+      textures_(gl),
+      fine_textures_(gl, budgets.fine_texture_bytes, budgets.fine_texture_kinds),
+      nested_(gl, budgets.nested_bytes),
+      makers_(std::move(makers)) {}
 
 GpuTilePool::~GpuTilePool() {
   for (const Entry& entry : entries_) destroy(*gl_, entry.tile.relief);

@@ -13,6 +13,7 @@
 #include "cache/drawable_tile.h"
 #include "cache/tile_ref.h"
 #include "codec/grid_frame.h"
+#include "render/fine_textures.h"
 #include "render/gl_functions.h"
 #include "render/nested_chunks.h"
 #include "render/patch_reconstructor.h"
@@ -66,6 +67,8 @@ struct GpuBudgets {
   std::size_t mesh_bytes = 0;     ///< Strips' words too, and what is set aside.
   std::size_t picture_bytes = 0;  ///< Reliefs too.
   std::size_t nested_bytes = 0;
+  std::size_t fine_texture_bytes = 0;  ///< For textures on squares in leaves,
+  std::size_t fine_texture_kinds = 0;  ///< of so many kinds.
 };
 
 /// Makes on the card what is not sent there; null for what no tree needs.
@@ -100,14 +103,21 @@ class GpuTilePool {
   /// what this frame has used so far.
   bool set_aside(std::size_t bytes);
   /// From here on what has been used before may make room.
-  void end_frame() { ++frame_; }
+  void end_frame() {
+    ++frame_;
+    fine_textures_.end_frame();
+  }
 
   const PictureTextures& textures() const { return textures_; }
   NestedChunks& nested() { return nested_; }
-  std::size_t bytes() const { return bytes_; }
+  FineTextures& fine_textures() { return fine_textures_; }
+  const FineTextures& fine_textures() const { return fine_textures_; }
+  std::size_t bytes() const { return bytes_ + fine_textures_.bytes(); }
   std::size_t tiles() const { return tiles_.size(); }
   /// Of the buffers, tiles or not.
-  std::size_t reserved_bytes() const { return reserved_bytes_ + nested_.reserved_bytes(); }
+  std::size_t reserved_bytes() const {
+    return reserved_bytes_ + nested_.reserved_bytes() + fine_textures_.reserved_bytes();
+  }
   bool makes_reliefs() const { return makers_.reliefs != nullptr; }
   bool has_strips() const { return makers_.strips != nullptr; }
 
@@ -162,6 +172,7 @@ class GpuTilePool {
   GpuBudgets budgets_;
   std::size_t aside_bytes_ = 0;  ///< Of those for meshes.
   PictureTextures textures_;
+  FineTextures fine_textures_;
   NestedChunks nested_;
   GpuMakers makers_;
   std::size_t bytes_ = 0;

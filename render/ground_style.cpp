@@ -16,6 +16,7 @@ void set_tile_look(const GlFunctions& gl, const ShaderProgram& program, const Gp
   if (pictures.directions == 0) pictures.directions = tile.relief.normals;
   gl.Uniform1i(program.uniform("normal_mapped"), pictures.directions != 0 ? 1 : 0);
   pool.textures().bind(pictures);
+  if (pool.fine_textures().in_use()) pool.fine_textures().set_look(program, drawn);
   const glm::vec4 tint = tile_tint(style.tint, node, drawn, style.allowed_px);
   gl.Uniform4f(program.uniform("tile_tint"), tint.r, tint.g, tint.b, tint.a);
 }

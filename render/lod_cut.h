@@ -24,6 +24,14 @@ struct CutOptions {
   double off_px = 0;
 };
 
+/// A square in a leaf, of a grid with `1 << depth` squares a side, that has a finer texture of its own.
+struct TexturePart {
+  int depth = 0;
+  std::uint32_t x = 0;
+  std::uint32_t y = 0;
+  codec::TileId texture;
+};
+
 /// One tile of a cut.
 struct DrawTile {
   std::uint32_t tree = 0;  ///< Which of the scene's trees,
@@ -34,12 +42,17 @@ struct DrawTile {
   bool stands_in = false;  ///< Drawn because what should be drawn here is not resident.
   double morph = 0;        ///< Share of the way to the parent's surface at which to draw it.
   int nested_level = 8;    ///< Of a tile with nested levels, the one to draw it by (render/nested_lod.h).
+  /// Of a leaf with finer textures (render/texture_parts.h): those of LodCut::parts,
+  std::uint32_t first_part = 0;
+  std::uint32_t parts = 0;
+  int part_row = -1;  ///< and which of the leaves that have some it is; -1 for none.
 };
 
 /// Which tiles to draw for a view, and which to fetch.
 struct LodCut {
-  CutOptions options;           ///< That it was chosen by.
-  std::vector<DrawTile> draws;  ///< Tree by tree, the nearest first; in each front to back, no two overlapping.
+  CutOptions options;              ///< That it was chosen by.
+  std::vector<DrawTile> draws;     ///< Tree by tree, the nearest first; in each front to back, no two overlapping.
+  std::vector<TexturePart> parts;  ///< Of its leaves, and of each the coarser ones first.
   /// Missing tiles, the most important on the screen first: the coarsest, then those nearest to the view's middle.
   std::vector<cache::TileRef> requests;
   double max_error_px = 0;         ///< The largest error_px drawn.

@@ -4,30 +4,13 @@
 #include <array>
 #include <cstdint>
 
+#include "render/pixel_store.h"
+
 namespace tintree::render {
 namespace {
 
 using codec::PixelArray;
 using codec::PixelFormat;
-
-// Names of extensions that glcorearb.h leaves out.
-constexpr GLenum kCompressedSrgbAlphaDxt1 = 0x8C4D;
-constexpr GLenum kMaxAnisotropy = 0x84FE;
-constexpr GLfloat kAnisotropy = 8;
-
-GLenum stored_as(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kRgba8:
-      return GL_SRGB8_ALPHA8;
-    case PixelFormat::kBc1:
-      return kCompressedSrgbAlphaDxt1;
-    case PixelFormat::kBc5Snorm:
-      return GL_COMPRESSED_SIGNED_RG_RGTC2;
-    case PixelFormat::kBc4Snorm:
-      return GL_COMPRESSED_SIGNED_RED_RGTC1;
-  }
-  return GL_SRGB8_ALPHA8;
-}
 
 template <std::size_t N>
 PixelArray one_texel(PixelFormat format, const std::array<std::uint8_t, N>& bytes) {
@@ -82,12 +65,7 @@ GLuint PictureTextures::make(const PixelArray& pixels) const {
   GLuint id = 0;
   gl_->GenTextures(1, &id);
   gl_->BindTexture(GL_TEXTURE_2D, id);
-  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-  if (gl_->anisotropic && pixels.size > 1) gl_->TexParameterf(GL_TEXTURE_2D, kMaxAnisotropy, kAnisotropy);
+  set_filter(*gl_, GL_TEXTURE_2D, pixels.size > 1);
   fill(pixels, true);
   return id;
 }

@@ -131,6 +131,7 @@ void Renderer::begin(const ShaderProgram& program, const Camera& camera, Trees t
   gl_->Uniform1i(program.uniform("photo"), 0);
   gl_->Uniform1i(program.uniform("normal_directions"), 1);
   gl_->Uniform1i(program.uniform("normal_lengths"), 2);
+  FineTextures::begin(*gl_, program);
   set(*gl_, program.uniform("to_sun"),
       glm::dvec3(std::sin(style.sun_azimuth_rad) * level, std::cos(style.sun_azimuth_rad) * level,
                  std::sin(style.sun_elevation_rad)));
@@ -150,6 +151,7 @@ DrawStats Renderer::draw_ground(const Camera& camera, Trees trees, const LodCut&
   gl_->Enable(GL_DEPTH_TEST);
   gl_->DepthFunc(GL_GREATER);
   if (style.wireframe) gl_->PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+  pool.fine_textures().prepare(trees, cut);
   begin(terrain_, camera, trees, cut, style);
   draw_meshes(camera, trees, cut, pool, style, stats);
   if (pool.nested().reserved_bytes() > 0) {

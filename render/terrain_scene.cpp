@@ -38,7 +38,7 @@ bool has_strips(TerrainScene::Stores stores, const SceneOptions& options) {
 }
 
 /// A half of the graphics memory is for pictures where there are any, a quarter where there are but the normals of
-/// strips; of the rest nested trees have their share.
+/// strips, and a half of that for pictures in leaves; of the rest nested trees have their share.
 GpuBudgets budgets(TerrainScene::Stores stores, const SceneOptions& options) {
   const std::size_t gpu_bytes = options.gpu_bytes;
   const bool pictures = std::ranges::any_of(stores, [](const cache::TileStore* store) {
@@ -46,10 +46,17 @@ GpuBudgets budgets(TerrainScene::Stores stores, const SceneOptions& options) {
   });
   const std::size_t share = pictures ? gpu_bytes / 2 : has_strips(stores, options) ? gpu_bytes / 4 : 0;
   const std::size_t rest = gpu_bytes - share;
+  const auto fine = static_cast<std::size_t>(
+      std::ranges::count_if(stores, [](const cache::TileStore* store) { return store->manifest().texture_depth > 0; }));
+  const std::size_t fine_bytes = fine > 0 ? share / 2 : 0;
   const auto nested = static_cast<std::size_t>(std::ranges::count_if(
       stores, [&](const cache::TileStore* store) { return ground_of(*store, options) == cache::Ground::kNested; }));
   const std::size_t nested_bytes = rest / stores.size() * nested;
-  return {.mesh_bytes = rest - nested_bytes, .picture_bytes = share, .nested_bytes = nested_bytes};
+  return {.mesh_bytes = rest - nested_bytes,
+          .picture_bytes = share - fine_bytes,
+          .nested_bytes = nested_bytes,
+          .fine_texture_bytes = fine_bytes,
+          .fine_texture_kinds = fine};
 }
 
 }  // namespace
@@ -121,6 +128,13 @@ TileState TerrainScene::state(std::uint32_t tree, std::uint32_t node) {
   return cache_->lost(tile) ? TileState::kLost : TileState::kMissing;
 }
 
+TextureState TerrainScene::fine_texture(const cache::TileRef& square) {
+  if (const auto here = pool_.fine_textures().use(square)) {
+    return *here ? TextureState::kResident : TextureState::kNone;
+  }
+  return cache_->lost(square) ? TextureState::kLost : TextureState::kMissing;
+}
+
 std::size_t TerrainScene::take_over(std::vector<cache::TileRef>& wanted) {
   std::vector<cache::TileRef> missing;
   std::size_t moved = 0;
@@ -135,7 +149,9 @@ std::size_t TerrainScene::take_over(std::vector<cache::TileRef>& wanted) {
       missing.push_back(ref);
       continue;
     }
-    if (!pool_.upload(ref, *tile)) {
+    const bool fits =
+        is_fine_texture(ref) ? pool_.fine_textures().upload(ref, tile->pictures.colors) : pool_.upload(ref, *tile);
+    if (!fits) {
       pool_full_ = true;
       continue;
     }
@@ -196,9 +212,11 @@ LodCut TerrainScene::advance(const Camera& camera, std::optional<double> seconds
   CutOptions options = options_.cut;
   if (std::ranges::find(nested_, 1) != nested_.end()) options.off_px = kNestedOff * options.pixel_error;
   const auto choose = [&] {
-    return lod_cut(
+    LodCut chosen = lod_cut(
         trees_, camera, options, [this](std::uint32_t tree, std::uint32_t node) { return state(tree, node); },
         occlusion_pays_.on(options_.occlusion) ? occluder_of : nullptr);
+    add_texture_parts(chosen, trees_, camera, [this](const cache::TileRef& t) { return fine_texture(t); });
+    return chosen;
   };
   LodCut cut = choose();
   if (take_over(cut.requests) > 0) cut = choose();
@@ -222,11 +240,25 @@ LodCut TerrainScene::advance(const Camera& camera, std::optional<double> seconds
 
 std::vector<cache::TileRef> TerrainScene::plan_far_picture(const Camera& camera) {
   const auto choose = [this](const Camera& from, const CutOptions& options, double beyond_m) {
-    const auto state_beyond = [&](std::uint32_t tree, std::uint32_t node) {
-      const bool close = nearest_m(trees_[tree]->box(trees_[tree]->nodes()[node]), from.eye) < beyond_m;
-      return close ? TileState::kResident : state(tree, node);
+    const auto is_close = [&](std::uint32_t tree, std::uint32_t node) {
+      return nearest_m(trees_[tree]->box(trees_[tree]->nodes()[node]), from.eye) < beyond_m;
     };
-    const auto cut = [&] { return lod_cut(trees_, from, options, state_beyond); };
+    const auto state_beyond = [&](std::uint32_t tree, std::uint32_t node) {
+      return is_close(tree, node) ? TileState::kResident : state(tree, node);
+    };
+    const auto texture_beyond = [&](const cache::TileRef& square) {
+      const cache::TileBounds& tree = *trees_[square.tree];
+      codec::TileId leaf = square.id;
+      while (leaf.level > tree.layout().leaf_level) leaf = tree.layout().parent(leaf);
+      const std::int64_t node = tree.find(leaf);
+      const bool near = node >= 0 && is_close(square.tree, static_cast<std::uint32_t>(node));
+      return near ? TextureState::kNone : fine_texture(square);
+    };
+    const auto cut = [&] {
+      LodCut out = lod_cut(trees_, from, options, state_beyond);
+      add_texture_parts(out, trees_, from, texture_beyond);
+      return out;
+    };
     LodCut chosen = cut();
     if (take_over(chosen.requests) > 0) chosen = cut();
     choose_nested_levels(trees_, from, nested_, chosen);

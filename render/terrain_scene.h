@@ -20,6 +20,7 @@
 #include "render/offscreen_target.h"
 #include "render/prefetch.h"
 #include "render/renderer.h"
+#include "render/texture_parts.h"
 #include "render/tree_placement.h"
 
 namespace tintree::render {
@@ -91,6 +92,9 @@ class TerrainScene {
                Renderer renderer, GpuMakers makers, std::unique_ptr<FarPicture> far_picture);
   LodCut advance(const Camera& camera, std::optional<double> seconds);
   TileState state(std::uint32_t tree, std::uint32_t node);
+  TextureState fine_texture(const cache::TileRef& square);
+  /// Whether it names a texture on a square in a leaf.
+  bool is_fine_texture(const cache::TileRef& ref) const { return ref.id.level > trees_[ref.tree]->layout().leaf_level; }
   /// Moves tiles that have come to the graphics card; what is still missing is left in `wanted`. Returns
   /// how many it moved.
   std::size_t take_over(std::vector<cache::TileRef>& wanted);

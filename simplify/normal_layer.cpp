@@ -19,6 +19,8 @@ class NormalLayer final : public PictureLayer {
   NormalLayer(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop)
       : layout_(&manifest.layout), view_(surface, stop) {}
 
+  bool has_finer(const codec::TileId& id) const override { return !layout_->is_leaf_square(id.level); }
+
   Expected<NodeValues> make_leaf(const codec::TileId& id) override {
     const int side = layout_->tile_cells + 1;
     const std::int64_t column0 = std::int64_t{id.x} * layout_->tile_cells - kFillReach;

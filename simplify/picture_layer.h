@@ -20,8 +20,10 @@ class PictureLayer {
  public:
   virtual ~PictureLayer() = default;
 
-  /// A leaf's values from what they are made of: a pure function of the place, so that neighbours agree on the nodes
-  /// that they share. kStopped soon after a stop was asked for.
+  /// Whether a picture is filtered from those of its square's quadrants; else it is made by itself.
+  virtual bool has_finer(const codec::TileId& id) const = 0;
+  /// The values of a picture without finer ones from what they are made of: a pure function of the place, so that
+  /// neighbours agree on the nodes that they share. kStopped soon after a stop was asked for.
   virtual Expected<NodeValues> make_leaf(const codec::TileId& id) = 0;
   /// The filter from a level to the next coarser one.
   virtual const HalvingFilter& filter() const = 0;
@@ -29,6 +31,9 @@ class PictureLayer {
   virtual Expected<std::vector<std::byte>> encode(const NodeValues& values) const = 0;
   virtual Expected<NodeValues> decode(std::span<const std::byte> payload) const = 0;
 };
+
+/// Whether photos with pixels of this side show more than texels of that one do.
+inline bool is_finer(double pixel_samples, double texel_samples) { return texel_samples > 1.25 * pixel_samples; }
 
 /// The layer of textures, from photos, and that of normal maps, from the DEM. What is passed must outlive them.
 std::unique_ptr<PictureLayer> make_texture_layer(const cache::Manifest& manifest, const cache::OrthoSource& photos);

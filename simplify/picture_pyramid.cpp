@@ -5,6 +5,7 @@
 #include <chrono>
 #include <mutex>
 #include <optional>
+#include <ranges>
 #include <unordered_set>
 #include <utility>
 
@@ -31,6 +32,7 @@ class Pyramid {
           cache::TileWriter& writer, const ProgressFn& progress, const StopFlag* stop)
       : kind_(kind),
         manifest_(&manifest),
+        squares_(manifest.picture_layout(kind)),
         writer_(&writer),
         progress_(&progress),
         stop_(stop),
@@ -43,18 +45,13 @@ class Pyramid {
     const auto present = writer_->picture_keys(kind_);
     if (!present) return tl::unexpected(present.error());
     const std::unordered_set<std::int64_t> done_before(present->begin(), present->end());
-    std::vector<TileId> with_picture;
-    for (const std::int64_t key : *tiles) {
-      const TileId id = TileId::from_key(key);
-      if (id == manifest_->layout.picture_tile(id)) with_picture.push_back(id);
-    }
-    total_ = with_picture.size();
+    std::vector<TileId> ids;
+    for (const std::int64_t key : *tiles) ids.push_back(TileId::from_key(key));
+    auto levels = list_pictures(kind_, *manifest_, *layers_.local(), std::move(ids));
+    for (const auto& level : levels) total_ += level.size();
     done_ = done_before.size();
-    for (int level = manifest_->layout.leaf_level; level >= 0; --level) {
-      std::vector<TileId> todo;
-      for (const TileId& id : with_picture) {
-        if (id.level == level && !done_before.contains(id.key())) todo.push_back(id);
-      }
+    for (auto& todo : levels | std::views::reverse) {
+      std::erase_if(todo, [&](const TileId& id) { return done_before.contains(id.key()); });
       if (auto made = make_level(todo); !made) return tl::unexpected(made.error());
     }
     if (auto counted = count(); !counted) return tl::unexpected(counted.error());
@@ -74,6 +71,7 @@ class Pyramid {
 
   cache::PictureKind kind_;
   const cache::Manifest* manifest_;
+  const codec::TreeLayout squares_;
   cache::TileWriter* writer_;
   const ProgressFn* progress_;
   const StopFlag* stop_;
@@ -118,8 +116,7 @@ Expected<void> Pyramid::make_level(const std::vector<TileId>& todo) {
 
 MadePicture Pyramid::make(const TileId& id, PictureLayer& layer) {
   const auto begun = std::chrono::steady_clock::now();
-  const codec::TreeLayout& layout = manifest_->layout;
-  auto values = layout.is_leaf_square(id.level) ? layer.make_leaf(id) : make_parent(id, layer);
+  auto values = layer.has_finer(id) ? make_parent(id, layer) : layer.make_leaf(id);
   MadePicture out{id, values ? layer.encode(*values) : tl::unexpected(values.error())};
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;
@@ -129,15 +126,14 @@ MadePicture Pyramid::make(const TileId& id, PictureLayer& layer) {
 Expected<NodeValues> Pyramid::make_parent(const TileId& id, const PictureLayer& layer) {
   const int reach = layer.filter().reach;
   const int side = 2 * across_ + 1 + 2 * reach;
-  const codec::TreeLayout& layout = manifest_->layout;
-  const int level = layout.coarsest_level(layout.halvings(id.level) + 1);
+  const int level = squares_.coarsest_level(squares_.halvings(id.level) + 1);
   NodeValues fine(side, side);
   std::vector<std::uint8_t> holders(fine.values.size());
   for (int ty = -1; ty <= 2; ++ty) {
     for (int tx = -1; tx <= 2; ++tx) {
       const std::int64_t x = 2 * std::int64_t{id.x} + tx;
       const std::int64_t y = 2 * std::int64_t{id.y} + ty;
-      if (x < 0 || y < 0 || x >= layout.tiles_x(level) || y >= layout.tiles_y(level)) continue;
+      if (x < 0 || y < 0 || x >= squares_.tiles_x(level) || y >= squares_.tiles_y(level)) continue;
       const TileId child{level, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)};
       const auto payload = read(child);
       if (!payload) return tl::unexpected(payload.error());
@@ -192,6 +188,26 @@ Expected<void> Pyramid::count() {
 }
 
 }  // namespace
+
+std::vector<std::vector<TileId>> list_pictures(cache::PictureKind kind, const cache::Manifest& manifest,
+                                               const PictureLayer& layer, std::vector<TileId> tiles) {
+  const codec::TreeLayout squares = manifest.picture_layout(kind);
+  std::erase_if(tiles, [&squares](const TileId& id) { return id != squares.picture_tile(id); });
+  std::vector<std::vector<TileId>> levels(static_cast<std::size_t>(squares.leaf_level) + 1);
+  for (const TileId& id : tiles) levels[static_cast<std::size_t>(id.level)].push_back(id);
+  int halvings = squares.halvings(manifest.layout.leaf_level);
+  for (; halvings < squares.halvings(squares.leaf_level); ++halvings) {
+    const int finer = squares.coarsest_level(halvings + 1);
+    for (const TileId& id : levels[static_cast<std::size_t>(squares.coarsest_level(halvings))]) {
+      if (!layer.has_finer(id)) continue;
+      for (int q = 0; q < 4; ++q) {
+        const TileId child = squares.child({finer - 1, id.x, id.y}, q);
+        if (!squares.cells(child).empty()) levels[static_cast<std::size_t>(finer)].push_back(child);
+      }
+    }
+  }
+  return levels;
+}
 
 Expected<PictureSummary> make_pictures(cache::PictureKind kind, const MakeLayer& make_layer,
                                        const cache::Manifest& manifest, cache::TileWriter& writer,

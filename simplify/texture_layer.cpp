@@ -10,7 +10,7 @@
 namespace tintree::simplify {
 namespace {
 
-/// A leaf is read at this many times its resolution at most, and with no more nodes a side.
+/// The finest textures are read at this many times their resolution at most, and with no more nodes a side.
 constexpr int kMostHalvings = 3;
 constexpr int kMostNodes = 2048;
 /// A node whose covered share is less is not covered.
@@ -20,27 +20,37 @@ constexpr float kCovered = 0.5F;
 class TextureLayer final : public PictureLayer {
  public:
   TextureLayer(const cache::Manifest& manifest, const cache::OrthoSource& photos)
-      : manifest_(&manifest), photos_(&photos), codec_(codec::find_texture_codec(manifest.texture_codec)) {
-    // Photos finer than the leaves are read as they are and halved in linear light; what GDAL filters, it filters as
-    // bytes.
-    step_ = static_cast<double>(manifest.layout.tile_cells) / manifest.texture_size;
-    const double finer = std::log2(step_ / photos.pixel_samples());
-    while (halvings_ < kMostHalvings && halvings_ + 0.25 < finer &&
+      : manifest_(&manifest),
+        squares_(manifest.picture_layout(cache::PictureKind::kTexture)),
+        photos_(&photos),
+        codec_(codec::find_texture_codec(manifest.texture_codec)) {
+    // Photos finer than the finest textures are read as they are and halved in linear light; what GDAL filters, it
+    // filters as bytes.
+    const double finest = step(squares_.leaf_level);
+    while (halvings_ < kMostHalvings && is_finer(photos.pixel_samples(), std::ldexp(finest, -halvings_)) &&
            (manifest.texture_size << (halvings_ + 1)) <= kMostNodes) {
       ++halvings_;
     }
   }
 
+  bool has_finer(const codec::TileId& id) const override {
+    if (squares_.halvings(id.level) < squares_.halvings(manifest_->layout.leaf_level)) return true;
+    return !squares_.is_leaf_square(id.level) &&
+           is_finer(photos_->pixel_samples_in(squares_.cells(id)), step(id.level));
+  }
+
   Expected<NodeValues> make_leaf(const codec::TileId& id) override {
+    // On coarser squares there are no finer photos.
+    const int halvings = squares_.is_leaf_square(id.level) ? halvings_ : 0;
     int margin = 0;
-    for (int i = 0; i < halvings_; ++i) margin = 2 * margin + filter().reach;
-    const std::int64_t across = std::int64_t{manifest_->texture_size} << halvings_;
+    for (int i = 0; i < halvings; ++i) margin = 2 * margin + filter().reach;
+    const std::int64_t across = std::int64_t{manifest_->texture_size} << halvings;
     const int side = static_cast<int>(across) + 1 + 2 * margin;
-    const auto window =
-        photos_->read(std::ldexp(step_, -halvings_), id.x * across - margin, id.y * across - margin, side, side);
+    const auto window = photos_->read(std::ldexp(step(id.level), -halvings), id.x * across - margin,
+                                      id.y * across - margin, side, side);
     if (!window) return tl::unexpected(window.error());
     NodeValues values = from_bytes(window->rgba, side);
-    for (int i = 0; i < halvings_; ++i) {
+    for (int i = 0; i < halvings; ++i) {
       values = halve(values, filter());
       settle_coverage(values);
     }
@@ -83,11 +93,14 @@ class TextureLayer final : public PictureLayer {
     for (auto& v : values.values) v[3] = v[3] < kCovered ? 0.0F : 1.0F;
   }
 
+  /// Samples between the nodes of a picture of `level`.
+  double step(int level) const { return static_cast<double>(squares_.cells_across(level)) / manifest_->texture_size; }
+
   const cache::Manifest* manifest_;
+  const codec::TreeLayout squares_;
   const cache::OrthoSource* photos_;
   const codec::TextureCodec* codec_;
-  double step_ = 1;  ///< Samples between the nodes of a leaf.
-  int halvings_ = 0;
+  int halvings_ = 0;  ///< Of what the finest textures are read at.
 };
 
 }  // namespace

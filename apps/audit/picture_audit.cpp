@@ -24,6 +24,8 @@ using codec::TileId;
 /// and of a unit vector.
 constexpr double kColorLimit = 0.16;
 constexpr double kNormalLimit = 0.25;
+/// Photos whose pixels are so many times smaller than a leaf's texels ask for finer textures.
+constexpr double kFinerPhoto = 1.25;
 
 /// sRGB as linear light, IEC 61966-2-1.
 float light_of(std::uint8_t srgb) {
@@ -66,7 +68,7 @@ class PictureExamination {
       if (auto done = compare_keys(kind); !done) return tl::unexpected(done.error());
       const auto nodes = store_.bounds().nodes();
       tbb::parallel_for(std::size_t{0}, nodes.size(), [&](std::size_t i) {
-        if (!has_error()) examine(kind, nodes[i]);
+        if (!has_error() && nodes[i].id == manifest_.layout.picture_tile(nodes[i].id)) examine(kind, nodes[i].id);
       });
       if (error_) return tl::unexpected(*error_);
     }
@@ -95,12 +97,20 @@ class PictureExamination {
     if (!keys) return tl::unexpected(keys.error());
     for (const std::int64_t key : *keys) {
       const TileId id = TileId::from_key(key);
-      if (store_.bounds().find(id) >= 0 && id == manifest_.layout.picture_tile(id)) continue;
+      if (lies_on_a_tile(kind, id) && id == manifest_.layout.picture_tile(id)) continue;
       blame(std::nullopt,
             fmt::format("there is a {} in row {}, which is none of the hierarchy's tiles, or has its parent's",
                         cache::picture_name(kind), key));
     }
     return {};
+  }
+
+  /// On a tile's square, or on one in a leaf's where there may be finer pictures.
+  bool lies_on_a_tile(PictureKind kind, TileId id) const {
+    const codec::TreeLayout squares = manifest_.picture_layout(kind);
+    if (id.level > squares.leaf_level || squares.cells(id).empty()) return false;
+    while (id.level > manifest_.layout.leaf_level) id = squares.parent(id);
+    return store_.bounds().find(id) >= 0;
   }
 
   /// The tile's picture in the scale that is filtered; nothing where there is none or it is damaged, which is
@@ -143,26 +153,57 @@ class PictureExamination {
     return grid;
   }
 
-  void examine(PictureKind kind, const cache::TileNode& node) {
+  /// A picture against the finer ones on the quadrants of its square or, without any, what it was made from; and those
+  /// on smaller squares in a leaf.
+  void examine(PictureKind kind, const TileId& id) {
     if (!context_.advance(0)) return stop_with(stopped_error());
-    const codec::TreeLayout& layout = manifest_.layout;
-    if (node.id != layout.picture_tile(node.id)) return;
-    const auto own = decoded(kind, node.id, Scale::kLight, true);
-    if (!own) return;
-    {
+    const auto own = decoded(kind, id, Scale::kLight, true);
+    if (own) {
       const std::scoped_lock lock(turn_);
       ++(kind == PictureKind::kTexture ? report_.textures : report_.normal_maps);
     }
-    if (layout.is_leaf_square(node.id.level))
-      return kind == PictureKind::kTexture ? compare_photo(node.id) : compare_heights(node.id, *own);
-    // The last tile on this square is the one whose children lie on its quadrants.
-    const TileId last{layout.coarsest_level(layout.halvings(node.id.level) + 1) - 1, node.id.x, node.id.y};
-    for (int q = 0; q < 4; ++q) {
-      const TileId child = layout.child(last, q);
-      if (store_.bounds().find(child) < 0) continue;
+    const codec::TreeLayout squares = manifest_.picture_layout(kind);
+    const bool in_leaf = manifest_.layout.is_leaf_square(id.level) || id.level > manifest_.layout.leaf_level;
+    bool finer_ones = false;
+    for (const TileId& child : quadrants(squares, id)) {
+      if (!in_leaf && store_.bounds().find(child) < 0) continue;
+      if (in_leaf && !is_stored(kind, child)) continue;
+      finer_ones = true;
       const auto finer = decoded(kind, child, Scale::kLight, false);
-      if (finer) judge(kind, child, match_parent(*finer, *own, q), "its parent's, tile " + node.id.text());
+      if (own && finer) {
+        judge(kind, child, match_parent(*finer, *own, quadrant_of(child)), "its parent's, tile " + id.text());
+      }
+      if (in_leaf) examine(kind, child);
     }
+    if (!own || finer_ones || !in_leaf) return;
+    if (kind == PictureKind::kNormal) return compare_heights(id, *own);
+    if (photos_ == nullptr) return;
+    compare_photo(id);
+    if (lacks_finer(squares, id, *own)) blame(id, "lacks the finer textures that the photos are good for");
+  }
+
+  static std::vector<TileId> quadrants(const codec::TreeLayout& squares, const TileId& id) {
+    std::vector<TileId> out;
+    if (squares.is_leaf_square(id.level)) return out;
+    // The last tile on this square is the one whose children lie on its quadrants.
+    const TileId last{squares.coarsest_level(squares.halvings(id.level) + 1) - 1, id.x, id.y};
+    for (int q = 0; q < 4; ++q) out.push_back(squares.child(last, q));
+    return out;
+  }
+  static int quadrant_of(const TileId& id) { return static_cast<int>((id.x & 1U) | (id.y & 1U) << 1U); }
+
+  /// Whether there is a row, damaged or not.
+  bool is_stored(PictureKind kind, const TileId& id) {
+    const auto payload = store_.read_picture(kind, id);
+    if (!payload && payload.error().code != ErrorCode::kBadData) stop_with(payload.error());
+    return !payload || *payload;
+  }
+
+  bool lacks_finer(const codec::TreeLayout& squares, const TileId& id, const TexelGrid& own) const {
+    const auto covered = static_cast<std::size_t>(std::ranges::count(own.valid, true));
+    const double texel = static_cast<double>(squares.cells_across(id.level)) / manifest_.texture_size;
+    return !squares.is_leaf_square(id.level) && covered > own.valid.size() / 100 &&
+           texel > kFinerPhoto * photos_->pixel_samples_in(squares.cells(id));
   }
 
   void judge(PictureKind kind, const TileId& id, const PictureMatch& match, const std::string& of) {
@@ -176,11 +217,11 @@ class PictureExamination {
   }
 
   void compare_photo(const TileId& id) {
-    if (photos_ == nullptr) return;
     const auto own = decoded(PictureKind::kTexture, id, Scale::kSteps, false);
     if (!own) return;
     const std::int64_t across = manifest_.texture_size;
-    const double step = static_cast<double>(manifest_.layout.tile_cells) / manifest_.texture_size;
+    const double step = static_cast<double>(manifest_.picture_layout(PictureKind::kTexture).cells_across(id.level)) /
+                        manifest_.texture_size;
     const auto window = photos_->read(step, id.x * across, id.y * across, own->size, own->size);
     if (!window) return stop_with(window.error());
     const PictureMatch match = match_pictures(*own, grid_of(window->rgba, own->size, Scale::kSteps));

@@ -13,7 +13,7 @@ constexpr int kShifts = 2;
 /// A shift that leaves less than this share of the squared differences is believed,
 constexpr double kBetterShare = 0.7;
 /// if so many texels could be compared.
-constexpr std::size_t kEnough = 24;
+constexpr std::size_t kEnough = 64;
 
 struct Sum {
   double squares = 0;

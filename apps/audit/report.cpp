@@ -97,7 +97,7 @@ std::string report_text(const TreeReport& report, const ImageReport* images, con
   if (pictures != nullptr) {
     fmt::format_to(to, "{} textures", pictures->textures);
     if (pictures->photo_rms > 0)
-      fmt::format_to(to, ", the leaves' {:.2f} steps of 255 off the photo (RMS)", pictures->photo_rms);
+      fmt::format_to(to, ", the finest {:.2f} steps of 255 off the photo (RMS)", pictures->photo_rms);
     fmt::format_to(to, "; {} normal maps", pictures->normal_maps);
     if (pictures->normal_rms > 0)
       fmt::format_to(to, ", the leaves' {:.4f} off the DEM's normals (RMS)", pictures->normal_rms);

@@ -22,9 +22,10 @@ struct BuildOptions {
   std::optional<std::string> quantizer;  ///< Of method scalar: uniform, the default there, or lloyd-max.
   std::optional<std::string> criterion;  ///< Of method wavelet: rms, the default there, or max.
   int tile_cells = 256;
-  int levels_per_doubling = 1;      ///< 1, or 2 for levels whose errors are a factor of √2 apart.
-  std::vector<std::string> orthos;  ///< Photos to drape over the terrain; where they overlap, the later one counts.
-  std::optional<int> texture_size;  ///< Texels along a tile's side; default 256, and more where the photos are finer.
+  int levels_per_doubling = 1;       ///< 1, or 2 for levels whose errors are a factor of √2 apart.
+  std::vector<std::string> orthos;   ///< Photos to drape over the terrain; where they overlap, the later one counts.
+  std::optional<int> texture_size;   ///< Texels along a tile's side; default 256, and more where the photos are finer.
+  std::optional<int> texture_depth;  ///< The most halvings of leaves for finer textures.
   std::string texture_codec = "bc1";
   bool normal_maps = false;
   int threads = 0;  ///< 0: all cores.

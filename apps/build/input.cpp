@@ -1,6 +1,7 @@
 #include "apps/build/input.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -8,6 +9,8 @@
 #include <utility>
 
 #include <fmt/core.h>
+
+#include "simplify/picture_layer.h"
 
 namespace tintree::app {
 namespace {
@@ -36,8 +39,19 @@ std::string scratch_folder(const BuildOptions& options) {
 /// The least usual size whose texels, in a leaf, are hardly larger than the photos' pixels.
 int default_texture_size(int tile_cells, double pixel_samples) {
   int size = kTextureSize;
-  while (size < kMostTextureSize && tile_cells > 1.25 * pixel_samples * size) size *= 2;
+  while (size < kMostTextureSize && simplify::is_finer(pixel_samples, static_cast<double>(tile_cells) / size))
+    size *= 2;
   return size;
+}
+
+/// The halvings of leaves at which texels are hardly larger than the photos' pixels, or as many as there can be.
+int deepest_textures(const codec::TreeLayout& layout, int texture_size, double pixel_samples) {
+  const double leaf_texel = static_cast<double>(layout.tile_cells) / texture_size;
+  const int most = std::min({cache::kMostTextureDepth, std::countr_zero(static_cast<unsigned>(layout.tile_cells)),
+                             (codec::kMaxLevel - layout.leaf_level) / layout.levels_per_doubling});
+  int depth = 0;
+  while (depth < most && simplify::is_finer(pixel_samples, std::ldexp(leaf_texel, -depth))) ++depth;
+  return depth;
 }
 
 }  // namespace
@@ -137,6 +151,8 @@ cache::Manifest describe_tree(const BuildOptions& options, const cache::RasterIn
   if (photos) {
     manifest.texture_size =
         options.texture_size.value_or(default_texture_size(options.tile_cells, photos->pixel_samples()));
+    manifest.texture_depth = std::min(options.texture_depth.value_or(cache::kMostTextureDepth),
+                                      deepest_textures(layout, manifest.texture_size, photos->pixel_samples()));
     manifest.texture_codec = options.texture_codec;
     manifest.orthos = photos->inputs();
   }

@@ -33,6 +33,14 @@ Expected<void> check(const BuildOptions& o) {
     if (o.orthos.empty())
       return tintree::fail(ErrorCode::kUsage, "has no effect without --ortho; name a photo", "--texture-size");
   }
+  if (o.texture_depth) {
+    if (*o.texture_depth < 0 || *o.texture_depth > tintree::cache::kMostTextureDepth) {
+      return tintree::fail(ErrorCode::kUsage, fmt::format("must be from 0 to {}", tintree::cache::kMostTextureDepth),
+                           "--texture-depth");
+    }
+    if (o.orthos.empty())
+      return tintree::fail(ErrorCode::kUsage, "has no effect without --ortho; name a photo", "--texture-depth");
+  }
   if (o.error_m && !(std::isfinite(*o.error_m) && *o.error_m > 0)) {
     return tintree::fail(ErrorCode::kUsage, "must be a positive number of metres", "--error");
   }
@@ -108,6 +116,8 @@ int main(int argc, char** argv) {
   app.add_option(
       "--texture-size", o.texture_size,
       "Texels along a tile's side, a power of two (default: 256, or 512 or 1024 where the photos are finer)");
+  app.add_option("--texture-depth", o.texture_depth,
+                 "How often leaves are halved, at most, for textures as fine as the photos (default: 5)");
   app.add_option("--texture-codec", o.texture_codec,
                  "bc1 is drawn as it is stored, jpeg takes less of the disk and more of the card")
       ->check(CLI::IsMember({"bc1", "jpeg"}))

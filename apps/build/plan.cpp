@@ -205,6 +205,7 @@ Expected<TreePlan> plan_in_arena(const BuildOptions& options) {
   auto normals = plan_normals(manifest, input->blocks, stop_flag());
   if (!normals) return tl::unexpected(normals.error());
   plan.textures = *textures;
+  plan.texture_depth = manifest.texture_depth;
   plan.normals = *normals;
   plan.picture_seconds = (textures->make_seconds + normals->make_seconds) / plan.threads;
   plan.seconds = plan.read_seconds + plan.make_seconds + plan.picture_seconds + plan.measure_seconds;

@@ -25,8 +25,9 @@ struct TreePlan {
   double make_seconds = 0;
   double measure_seconds = 0;
   double picture_seconds = 0;
-  PicturePlan textures;  ///< Nothing without --ortho.
-  PicturePlan normals;   ///< Nothing without --normal-maps.
+  PicturePlan textures;   ///< Nothing without --ortho.
+  int texture_depth = 0;  ///< How often leaves are halved for them.
+  PicturePlan normals;    ///< Nothing without --normal-maps.
   std::uint64_t peak_rss_bytes = 0;
   int threads = 0;
   double plan_seconds = 0;  ///< What the plan itself took.

@@ -55,7 +55,10 @@ std::string summary_text(const BuildReport& report, const std::string& output) {
   }
   const simplify::LevelSummary total = total_of(report);
   line("all", total, "");
-  out += picture_line("textures", report.manifest.picture_size(cache::PictureKind::kTexture), report.textures);
+  const int depth = report.manifest.texture_depth;
+  const std::string textures =
+      depth > 0 ? fmt::format("textures, down to 1/{} of a leaf's side,", 1 << depth) : std::string("textures");
+  out += picture_line(textures.c_str(), report.manifest.picture_size(cache::PictureKind::kTexture), report.textures);
   out += picture_line("normal maps", report.manifest.picture_size(cache::PictureKind::kNormal), report.normals);
   fmt::format_to(std::back_inserter(out),
                  "{} samples in {:.1f} s ({:.2f} M samples/s on {} threads: read {:.1f}, make {:.1f}, pictures {:.1f}, "
@@ -132,6 +135,7 @@ nlohmann::ordered_json plan_json(const TreePlan& plan, const BuildOptions& optio
           {"vertices", plan.total.vertices},
           {"triangles", plan.total.triangles},
           {"payload_bytes", plan.total.bytes},
+          {"texture_depth", plan.texture_depth},
           {"textures", picture_json(plan.textures)},
           {"normal_maps", picture_json(plan.normals)},
           {"bytes", plan.bytes},
@@ -177,6 +181,7 @@ nlohmann::ordered_json summary_json(const BuildReport& report) {
           {"triangles", total.triangles},
           {"payload_bytes", total.bytes},
           {"texture_size", report.manifest.texture_size},
+          {"texture_depth", report.manifest.texture_depth},
           {"textures", picture_json(report.textures)},
           {"textures_made", report.textures.made},
           {"normal_maps", picture_json(report.normals)},

@@ -14,6 +14,12 @@ uniform sampler2D photo;              // light, times what of it a photo covers;
 uniform sampler2D normal_directions;  // east and north of unit normals
 uniform sampler2D normal_lengths;     // of mean normals: the shorter the rougher the ground
 uniform int normal_mapped;            // 0: the tile has no normal map
+// Finer photos on squares in the tile, layer by layer; and for each of the smallest squares, row by row, the number of
+// the layer (13 bits) and how often the tile was halved for that photo's square: 0 if there is none.
+uniform sampler2DArray fine_photos;
+uniform usampler2D fine_table;
+uniform int fine_row;                 // the tile's in the table; -1: it has none
+uniform int fine_depth;               // how often it is halved for the smallest squares
 
 out vec4 color;
 
@@ -40,6 +46,28 @@ vec2 place_in(sampler2D picture) {
   return (on_tile * (size - 1.0) + 0.5) / size;
 }
 
+// Light and coverage.
+vec4 photo_here() {
+  // A single texel stands for no photo at all.
+  vec4 seen = textureSize(photo, 0).x > 1 ? texture(photo, place_in(photo)) : vec4(0.0);
+  if (fine_row < 0) return seen;
+  // Neighbouring pixels may lie on other squares: their layers are filtered as if the tile had one picture.
+  vec2 eastward = dFdx(on_tile);
+  vec2 upward = dFdy(on_tile);
+  int across = 1 << fine_depth;
+  vec2 at = clamp(on_tile, 0.0, 1.0);
+  ivec2 cell = min(ivec2(at * float(across)), across - 1);
+  int entry = int(texelFetch(fine_table, ivec2(cell.y * across + cell.x, fine_row), 0).r);
+  int halvings = entry >> 13;
+  if (halvings == 0) return seen;
+  float squares = float(1 << halvings);
+  vec2 in_square = at * squares - vec2(cell >> (fine_depth - halvings));
+  float size = float(textureSize(fine_photos, 0).x);
+  float share = (size - 1.0) / size;
+  vec3 place = vec3(in_square * share + 0.5 / size, float(entry & 8191));
+  return textureGrad(fine_photos, place, eastward * squares * share, upward * squares * share);
+}
+
 void main() {
   vec3 n = normalize(normal);
   float smoothness = 1.0;
@@ -55,11 +83,8 @@ void main() {
   albedo = mix(to_linear(vec3(0.52, 0.47, 0.43)), albedo, smoothstep(0.45, 0.85, abs(n.z)));
   albedo = mix(albedo, to_linear(tile_tint.rgb), tile_tint.a);
 
-  // A single texel stands for no photo at all.
-  if (textureSize(photo, 0).x > 1) {
-    vec4 seen = texture(photo, place_in(photo));
-    albedo = seen.rgb + (1.0 - seen.a) * albedo;
-  }
+  vec4 seen = photo_here();
+  albedo = seen.rgb + (1.0 - seen.a) * albedo;
 
   const vec3 kSun = vec3(1.45, 1.36, 1.20);
   const vec3 kSky = vec3(0.17, 0.21, 0.28);

@@ -93,6 +93,27 @@ TEST_F(AuditPicturesTest, KnowsWhichTilesShareAPicture) {
   EXPECT_NE(read_file(report_).find("or has its parent's"), std::string::npos);
 }
 
+// Finer textures are held against the photo, and against those above them; missing ones are missed.
+TEST_F(AuditPicturesTest, LooksIntoTheLeaves) {
+  write_photo(photo_, {.columns = 180, .rows = 140, .dx = 5, .dy = 5}, false, furrows);
+  ASSERT_EQ(build({"--ortho", photo_, "--texture-size", "32", "--overwrite"}).exit_code, kDone);
+  const ProgramResult sound = audit({"--ortho", photo_});
+  EXPECT_EQ(sound.exit_code, 0) << sound.all();
+  const TileId fine{3, 1, 1};
+  const auto whole = payload(PictureKind::kTexture, fine);
+  move_rows(fine);
+  expect_found(fine, "1 rows of texels off the photo", {"--ortho", photo_});
+  expect_found(fine, "1 rows of texels off its parent's");
+  replace(PictureKind::kTexture, fine, std::span(whole).first(10));
+  expect_found(fine, "its texture");
+  replace(PictureKind::kTexture, fine, whole);
+  for (int q = 0; q < 4; ++q) {
+    const TileId quadrant{3, 2 + static_cast<std::uint32_t>(q % 2), 2 + static_cast<std::uint32_t>(q / 2)};
+    remove_texture(tree_, quadrant);
+  }
+  expect_found({2, 1, 1}, "lacks the finer textures", {"--ortho", photo_});
+}
+
 TEST_F(AuditPicturesTest, FindsRowsMovedByOne) {
   const TileId leaf{2, 1, 1};
   const auto whole = payload(PictureKind::kTexture, leaf);

@@ -138,6 +138,7 @@ TEST_F(OrthoTest, ResumeRefusesAChangedPhotoByName) {
 }
 
 TEST_F(OrthoTest, RefusesNonsense) {
+  expect_refused({"--texture-depth", "2"}, kUsage, {"--texture-depth", "--ortho"});
   expect_refused({"--texture-size", "32"}, kUsage, {"--texture-size", "--ortho"});
   expect_refused({"--ortho", photo_, "--texture-size", "33"}, kUsage, {"--texture-size", "power of two"});
   expect_refused({"--ortho", dir_.file("none.tif")}, kIo, {"none.tif", "no such file"});

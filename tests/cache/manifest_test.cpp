@@ -164,6 +164,30 @@ TEST(Manifest, TwoLevelsADoublingAreForMethodsThatCan) {
   }
 }
 
+TEST(Manifest, TexturesOnSquaresInLeaves) {
+  Manifest m = make_manifest();
+  m.texture_size = 256;
+  m.texture_codec = "bc1";
+  EXPECT_EQ(m.to_json().find("texture_depth"), std::string::npos);
+  EXPECT_EQ(Manifest::from_json(m.to_json())->texture_depth, 0);
+  m.texture_depth = 3;
+  const auto back = Manifest::from_json(m.to_json());
+  ASSERT_TRUE(back.has_value()) << back.error().text();
+  EXPECT_EQ(back->texture_depth, 3);
+  EXPECT_NE(m.difference(make_manifest()), "");
+  const codec::TreeLayout squares = back->picture_layout(PictureKind::kTexture);
+  EXPECT_EQ(squares.leaf_level, m.layout.leaf_level + 3);
+  EXPECT_EQ(squares.cells_across(squares.leaf_level), m.layout.tile_cells / 8);
+  for (int level = 0; level <= m.layout.leaf_level; ++level)
+    EXPECT_EQ(squares.cells_across(level), m.layout.cells_across(level));
+  EXPECT_EQ(back->picture_layout(PictureKind::kNormal).leaf_level, m.layout.leaf_level);
+  for (const int impossible : {-1, kMostTextureDepth + 1, 1 << 30}) {
+    json j = json::parse(back->to_json());
+    j["texture_depth"] = impossible;
+    EXPECT_FALSE(Manifest::from_json(j.dump()).has_value()) << impossible;
+  }
+}
+
 TEST(Manifest, DamagedTextNeverCrashes) {
   std::mt19937 random(5);
   const std::string text = make_manifest().to_json();

@@ -77,6 +77,26 @@ TEST_F(OrthoSourceTest, AFinerPhotoLiesRight) {
   }
 }
 
+/// How fine photos are in a part of the DEM: by those that reach into it.
+TEST_F(OrthoSourceTest, KnowsTheFinestPhotoOfAPlace) {
+  test::write_photo(photo_, {.columns = 41, .rows = 31, .dx = 10, .dy = 10}, false, test::meadow);
+  // Columns 10 to 18 and rows 5 to 11 of the samples, counted from pixels' sides.
+  const std::string fine = dir_.file("fine.tif");
+  test::write_photo(fine, {.columns = 32, .rows = 24, .dx = 2.5, .dy = 2.5, .west = 1100, .north = 1950}, false,
+                    test::meadow);
+  const auto source = OrthoSource::open({photo_, fine}, *dem_);
+  ASSERT_TRUE(source.has_value()) << source.error().text();
+  EXPECT_NEAR(source->pixel_samples(), 0.25, 1e-6);
+  for (int row = 0; row < 30; ++row) {
+    for (int column = 0; column < 40; ++column) {
+      const bool reached = column + 1 > 9.5 && column < 17.5 && row + 1 > 4.5 && row < 10.5;
+      EXPECT_NEAR(source->pixel_samples_in({column, row, column + 1, row + 1}), reached ? 0.25 : 1, 1e-6)
+          << column << ' ' << row;
+    }
+  }
+  EXPECT_TRUE(std::isinf(source->pixel_samples_in({60, 60, 70, 70})));
+}
+
 /// Another CRS and spacing: against a place computed by GDAL's own coordinate transformation.
 TEST_F(OrthoSourceTest, AnotherCrsLiesRight) {
   write_dem({.columns = 41, .rows = 31, .dx = 10, .dy = 10, .west = 500000, .north = 4649776, .epsg = 32610});

@@ -33,6 +33,12 @@ struct AnalyticTree {
 
   /// The sRGB colour of all texels of a tile's texture; without it there are no textures.
   std::function<std::array<std::uint8_t, 3>(const codec::TileId&)> color;
+  /// The same of the texel at a place on the grid, in place of `color`.
+  std::function<std::array<std::uint8_t, 3>(const codec::TileId&, double column, double row)> photo;
+  int texture_size = 16;
+  int texture_depth = 0;  ///< How often leaves are halved for finer textures,
+  /// and whether a square that they are halved to has one; without it all have.
+  std::function<bool(const codec::TileId&)> has_texture;
 
   /// Where there is no ground: a cell of a mesh is left out when its middle lies there.
   std::function<bool(double x_m, double y_m)> hole;
@@ -175,24 +181,48 @@ struct AnalyticTree {
     return {layout(), infos};
   }
 
-  static constexpr int kTextureSize = 16;
+  codec::TreeLayout squares() const { return layout().deepened(texture_depth); }
 
   std::vector<std::byte> texture(const codec::TileId& id) const {
-    codec::ColorImage image(kTextureSize + 1);
-    const auto [red, green, blue] = color(id);
-    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
-      image.rgba[i] = red;
-      image.rgba[i + 1] = green;
-      image.rgba[i + 2] = blue;
-      image.rgba[i + 3] = 255;
+    codec::ColorImage image(texture_size + 1);
+    const auto cells = static_cast<double>(squares().cells_across(id.level));
+    for (int y = 0; y <= texture_size; ++y) {
+      for (int x = 0; x <= texture_size; ++x) {
+        const auto [red, green, blue] = photo ? photo(id, (id.x + static_cast<double>(x) / texture_size) * cells,
+                                                      (id.y + static_cast<double>(y) / texture_size) * cells)
+                                              : color(id);
+        const auto i = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(texture_size + 1) +
+                            static_cast<std::size_t>(x));
+        image.rgba[i] = red;
+        image.rgba[i + 1] = green;
+        image.rgba[i + 2] = blue;
+        image.rgba[i + 3] = 255;
+      }
     }
     return *codec::find_texture_codec("bc1")->encode(image);
   }
 
+  /// A tile's, and those on the squares that a leaf is halved to.
+  void put_textures(cache::TileWriter& writer, const codec::TileId& id) const {
+    const codec::TreeLayout all = squares();
+    if (id != all.picture_tile(id)) return;
+    const bool in_leaf = id.level > layout().leaf_level;
+    if (!in_leaf || !has_texture || has_texture(id)) {
+      const auto put = writer.put_picture(cache::PictureKind::kTexture, id, texture(id));
+      ASSERT_TRUE(put) << put.error().text();
+    }
+    if (all.is_leaf_square(id.level) || all.halvings(id.level) < all.halvings(layout().leaf_level)) return;
+    const codec::TileId last{all.coarsest_level(all.halvings(id.level) + 1) - 1, id.x, id.y};
+    for (int q = 0; q < 4; ++q) {
+      if (const codec::TileId child = all.child(last, q); !all.cells(child).empty()) put_textures(writer, child);
+    }
+  }
+
   void write(const std::string& path) const {
     cache::Manifest manifest;
-    if (color) {
-      manifest.texture_size = kTextureSize;
+    if (color || photo) {
+      manifest.texture_size = texture_size;
+      manifest.texture_depth = texture_depth;
       manifest.texture_codec = "bc1";
     }
     manifest.layout = layout();
@@ -205,9 +235,7 @@ struct AnalyticTree {
       ASSERT_TRUE(payload) << payload.error().text();
       const auto put = writer->put({info(id, m), *payload});
       ASSERT_TRUE(put) << put.error().text();
-      if (!color) continue;
-      const auto put_texture = writer->put_picture(cache::PictureKind::kTexture, id, texture(id));
-      ASSERT_TRUE(put_texture) << put_texture.error().text();
+      if (color || photo) put_textures(*writer, id);
     }
     const auto digest = writer->finish();
     ASSERT_TRUE(digest) << digest.error().text();

@@ -46,7 +46,7 @@ struct QuadtreeTree : test::AnalyticTree {
     manifest.method = method;
     manifest.layout = layout();
     if (color) {
-      manifest.texture_size = kTextureSize;
+      manifest.texture_size = texture_size;
       manifest.texture_codec = "bc1";
     }
     auto writer = cache::TileWriter::create(path, manifest);

@@ -1,6 +1,7 @@
 #include "tests/support/picture_change.h"
 
 #include <stdexcept>
+#include <string>
 
 #include "cache/tile_digest.h"
 #include "cache/tile_rows.h"
@@ -19,6 +20,16 @@ T& checked(Expected<T>& result) {
   return *result;
 }
 
+/// Gives a changed tree the digest that belongs to it.
+void settle_digest(const cache::SqliteDb& db) {
+  auto manifest = cache::read_manifest(db);
+  cache::TreeDigest digest;
+  require(cache::for_each_tile(db, [&digest](const cache::StoredTile& tile) { digest.add(tile); }));
+  require(cache::add_pictures(db, checked(manifest), digest));
+  manifest->digest = digest.text();
+  require(cache::write_manifest(db, *manifest));
+}
+
 }  // namespace
 
 void replace_picture(const std::string& tree, cache::PictureKind kind, const codec::TileId& id,
@@ -29,12 +40,14 @@ void replace_picture(const std::string& tree, cache::PictureKind kind, const cod
   cache::SqliteDb::Statement& insert = checked(prepared);
   cache::bind_picture(insert, id, bytes);
   require(insert.step());
-  auto manifest = cache::read_manifest(db);
-  cache::TreeDigest digest;
-  require(cache::for_each_tile(db, [&digest](const cache::StoredTile& tile) { digest.add(tile); }));
-  require(cache::add_pictures(db, checked(manifest), digest));
-  manifest->digest = digest.text();
-  require(cache::write_manifest(db, *manifest));
+  settle_digest(db);
+}
+
+void remove_texture(const std::string& tree, const codec::TileId& id) {
+  auto opened = cache::SqliteDb::open(tree, cache::SqliteDb::Access::kOwn);
+  cache::SqliteDb& db = checked(opened);
+  require(db.exec(("DELETE FROM texture WHERE key = " + std::to_string(id.key())).c_str()));
+  settle_digest(db);
 }
 
 }  // namespace tintree::test

@@ -14,4 +14,7 @@ namespace tintree::test {
 void replace_picture(const std::string& tree, cache::PictureKind kind, const codec::TileId& id,
                      std::span<const std::byte> bytes);
 
+/// Takes a tile's texture away, likewise.
+void remove_texture(const std::string& tree, const codec::TileId& id);
+
 }  // namespace tintree::test
