@@ -108,7 +108,6 @@ Expected<std::vector<std::byte>> CodedStripMesh::encode(const TileMesh& mesh) co
     sizes.push_back(path.edge().size);
     heights.push_back(source->code(s.v3));
   }
-  path.number();
   code_heights(encoder, source->head, path, sizes, heights);
   std::ranges::copy(encoder.finish(0), std::back_inserter(out));
   return out;
@@ -133,7 +132,6 @@ Expected<TileMesh> CodedStripMesh::decode(std::span<const std::byte> bytes) cons
     if (!path.step(type, winding.next(type))) return refuse();
     sizes.push_back(path.edge().size);
   }
-  path.number();
   std::vector<std::uint32_t> heights(head->triangles + std::size_t{2});
   if (!code_heights(decoder, *head, path, sizes, heights) || !decoder.finished()) return refuse();
   return path.mesh(heights);

@@ -8,25 +8,25 @@
 #include <vector>
 
 #include "codec/range_coder.h"
-#include "codec/right_triangles.h"
+#include "codec/nested_points.h"
 
 namespace tintree::codec {
 
-/// Codes the points of RightTriangles level by level: for each triangle of the level before, and then of those that it
+/// Codes the points of NestedPoints level by level: for each triangle of the level before, and then of those that it
 /// is split into, whether it is split; where it is, whether there is surface and how far it lies above the middle
 /// between the ends of the longest side. One program for both ways: `Coder` is RangeEncoder or RangeDecoder, and what
 /// is to be written comes from `source`, null when reading.
 template <typename Coder>
 class PointCoder {
  public:
-  PointCoder(RightTriangles& points, const RightTriangles* source)
+  PointCoder(NestedPoints& points, const NestedPoints* source)
       : points_(points), source_(source), asked_(points.side()) {}
 
   /// Adds the points of the next level. False when reading finds more than `most` points or a height out of range.
   bool code(Coder& coder, std::size_t most) {
     coder_ = &coder;
     most_ = most;
-    for (std::int32_t i = 0; level_ == 0 && sound_ && i < RightTriangles::kBasePoints; ++i) add_base(i);
+    for (std::int32_t i = 0; level_ == 0 && sound_ && i < NestedPoints::kBasePoints; ++i) add_base(i);
     if (sound_) {
       points_.walk([this](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t x,
                           std::int32_t y) { return split(a, b, c, x, y); },
@@ -37,9 +37,9 @@ class PointCoder {
   }
 
  private:
-  static constexpr std::int32_t kNone = RightTriangles::kNone;
+  static constexpr std::int32_t kNone = NestedPoints::kNone;
 
-  const HierarchyPoint* wanted(std::int32_t x, std::int32_t y) const {
+  const NestedPoint* wanted(std::int32_t x, std::int32_t y) const {
     const std::int32_t i = source_ != nullptr ? source_->find(x, y) : kNone;
     return i != kNone && source_->point(i).level <= level_ ? &source_->point(i) : nullptr;
   }
@@ -53,16 +53,16 @@ class PointCoder {
     const std::int32_t known = points_.find(x, y);
     if (known != kNone || !sound_) return known;
     if (asked_.get(x, y) == level_ + 1) return kNone;
-    const HierarchyPoint& from = points_.point(a);
-    const HierarchyPoint& to = points_.point(b);
-    const HierarchyPoint& apex = points_.point(c);
+    const NestedPoint& from = points_.point(a);
+    const NestedPoint& to = points_.point(b);
+    const NestedPoint& apex = points_.point(c);
     const int width = std::abs(from.x - to.x);
     const int height = std::abs(from.y - to.y);
     const auto size = static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(std::max(width, height))));
     const std::size_t shape = 2 * size + (width == height ? 1 : 0);
     const std::size_t fresh = (apex.level == level_ ? 1U : 0U) + (from.level == level_ || to.level == level_ ? 1U : 0U);
     const std::size_t gap = from.gap || to.gap || apex.gap ? 1 : 0;
-    const HierarchyPoint* wish = wanted(x, y);
+    const NestedPoint* wish = wanted(x, y);
     if (!coder_->bit(split_[level_][(shape * 3 + fresh) * 2 + gap], wish != nullptr)) {
       asked_.set(x, y, static_cast<std::uint8_t>(level_ + 1));
       return kNone;
@@ -74,7 +74,7 @@ class PointCoder {
 
   std::uint8_t rough_of(std::int32_t i) const { return rough_[static_cast<std::size_t>(i)]; }
 
-  std::int32_t add(HierarchyPoint point, const HierarchyPoint* wish, std::int32_t expected_z, std::uint8_t rough) {
+  std::int32_t add(NestedPoint point, const NestedPoint* wish, std::int32_t expected_z, std::uint8_t rough) {
     const auto gaps = [&](std::int32_t i) { return i != kNone && points_.point(i).gap ? std::size_t{1} : 0; };
     point.gap = coder_->bit(gap_[gaps(point.end_a) + gaps(point.end_b)], wish != nullptr && wish->gap);
     std::uint8_t digits = 0;
@@ -92,11 +92,11 @@ class PointCoder {
   }
 
   static constexpr std::size_t kRoughness = 16;
-  static constexpr std::size_t kShapes = 2 * (RightTriangles::kMostSideBits + 2);
+  static constexpr std::size_t kShapes = 2 * (NestedPoints::kMostSideBits + 2);
   static constexpr std::size_t kMostLevels = 9;
 
-  RightTriangles& points_;
-  const RightTriangles* source_;
+  NestedPoints& points_;
+  const NestedPoints* source_;
   Coder* coder_ = nullptr;
   int level_ = 0;
   std::size_t most_ = 0;
