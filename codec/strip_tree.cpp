@@ -53,10 +53,9 @@ bool StripTree::place(const TileMesh& mesh) {
   points_.assign(points_.size(), {});
   for (const Triangle& t : mesh.triangles) {
     for (const std::uint32_t i : t) {
-      const GridVertex& v = mesh.vertices[i];
-      std::int32_t& z = at({std::int64_t{v.x} << fine_, std::int64_t{v.y} << fine_}).z;
-      if (z != kMissing && z != v.z) return false;
-      z = v.z;
+      std::int32_t& z = at_vertex(i).z;
+      if (z != kMissing && z != mesh.vertices[i].z) return false;
+      z = mesh.vertices[i].z;
     }
   }
   return std::ranges::all_of(mesh.triangles, [&](const Triangle& t) { return mark(mesh, t); });
@@ -79,7 +78,7 @@ bool StripTree::mark(const TileMesh& mesh, const Triangle& t) {
     const auto parents = split_parents(doubled);
     if (std::ranges::find(parents, SplitPoint{2 * c.x, 2 * c.y}) == parents.end()) return false;
     if (((doubled.x | doubled.y) & 1) == 0 && is_split({doubled.x / 2, doubled.y / 2})) return false;
-    std::uint8_t& marks = at(c).marks;
+    std::uint8_t& marks = at_vertex(t[k]).marks;
     const std::uint8_t bit = mark_of(c, doubled);
     const bool fresh = (marks & bit) == 0;
     marks |= bit;
@@ -100,9 +99,10 @@ bool StripTree::split_false_triangles(std::size_t wanted, bool& changed) {
       [&](const StripStep& s) {
         ++triangles_;
         const auto [a, b, c] = corners_of(s);
-        if (z(a) == kMissing || z(b) == kMissing || z(c) == kMissing) return;
+        const Point& apex = at(c);
+        if (apex.z == kMissing || z(a) == kMissing || z(b) == kMissing) return;
         const SplitPoint doubled{a.x + b.x, a.y + b.y};
-        if ((at(c).marks & mark_of(c, doubled)) != 0) {
+        if ((apex.marks & mark_of(c, doubled)) != 0) {
           ++found;
         } else if (((doubled.x | doubled.y) & 1) != 0) {
           possible = false;
@@ -118,10 +118,13 @@ bool StripTree::split_false_triangles(std::size_t wanted, bool& changed) {
 
 std::optional<StripTree> StripTree::find(const TileMesh& mesh, int levels, int fine) {
   StripTree tree(levels, fine);
+  tree.of_vertex_.assign(mesh.vertices.size(), kNoPoint);
   for (const Triangle& t : mesh.triangles) {
     for (const std::uint32_t i : t) {
-      const GridVertex& v = mesh.vertices[i];
-      tree.force({std::int64_t{v.x} << fine, std::int64_t{v.y} << fine});
+      if (tree.of_vertex_[i] != kNoPoint) continue;
+      const SplitPoint at{std::int64_t{mesh.vertices[i].x} << fine, std::int64_t{mesh.vertices[i].y} << fine};
+      tree.force(at);
+      tree.of_vertex_[i] = tree.numbers_.get(at.x, at.y);
     }
   }
   for (bool changed = true; changed;) {

@@ -39,7 +39,7 @@ class StripTree {
   static constexpr std::int32_t kMissing = -1;
 
   const Point& at(const SplitPoint& p) const { return points_[static_cast<std::size_t>(numbers_.get(p.x, p.y))]; }
-  Point& at(const SplitPoint& p) { return points_[static_cast<std::size_t>(numbers_.get(p.x, p.y))]; }
+  Point& at_vertex(std::uint32_t v) { return points_[static_cast<std::size_t>(of_vertex_[v])]; }
   bool add(const SplitPoint& p);
   void force(const SplitPoint& p);
   bool place(const TileMesh& mesh);
@@ -51,6 +51,7 @@ class StripTree {
   std::int64_t span_;
   PointNumbers numbers_;
   std::vector<Point> points_;
+  std::vector<std::int32_t> of_vertex_;  // the point at each of the mesh's vertices
   std::uint32_t triangles_ = 0;
   bool holes_ = false;
 };
