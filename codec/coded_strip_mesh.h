@@ -4,9 +4,9 @@
 
 namespace tintree::codec {
 
-/// Method `strip`, payload version 2: the strip in fewer bits, which have to be read from the first on: types and
+/// Method `strip`, payload version 3: the strip in fewer bits, which have to be read from the first on: types and
 /// heights go through an adaptive range coder, each vertex has its height once, and that as what is left over a
-/// prediction from the entering edge (Dick et al. 2009 name it as future work; docs/format.md, payload version 2).
+/// prediction from the entering edge (Dick et al. 2009 name it as future work; docs/format.md, payload version 3).
 class CodedStripMesh final : public MeshCodec {
  public:
   Expected<std::vector<std::byte>> encode(const TileMesh& mesh) const override;

@@ -10,7 +10,7 @@
 namespace tintree::codec {
 namespace {
 
-constexpr auto kPayloadVersion = std::byte{1};
+constexpr auto kPayloadVersion = std::byte{2};
 /// The most points that a block of so many bytes can add; some 300 are possible.
 std::size_t most_points(std::size_t bytes) { return 4096 * (bytes + 16); }
 
