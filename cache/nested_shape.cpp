@@ -4,12 +4,14 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
 #include "cache/drawable_tile.h"
-#include "codec/right_triangles.h"
+#include "codec/nested_points.h"
 #include "codec/sparse_grid.h"
+#include "codec/split_hierarchy.h"
 
 namespace tintree::cache {
 namespace {
@@ -19,8 +21,8 @@ constexpr std::size_t kFinest = NestedShape::kLevels - 1;
 constexpr int kFinerZ = 4;
 
 /// Points by their places: kNone, a vertex's number, or below kNone the level of a gap.
-constexpr std::int32_t kNone = codec::RightTriangles::kNone;
-using Places = codec::SparseGrid<std::int32_t, kNone>;
+constexpr std::int32_t kNone = codec::kNoPoint;
+using Places = codec::PointNumbers;
 std::int32_t gap_of_level(int level) { return kNone - 1 - level; }
 int level_of_gap(std::int32_t found) { return kNone - 1 - found; }
 
@@ -75,8 +77,9 @@ class ShapeMaker {
     note_own();
     if (parent_ != nullptr) note_parents();
     add_base();
-    constexpr std::int32_t kCentre = codec::RightTriangles::kBasePoints - 1;
-    for (const auto& [a, b] : {std::pair{1, 0}, {0, 2}, {2, 3}, {3, 1}}) descend(a, b, kCentre);
+    const auto split = [this](std::int32_t a, std::int32_t b, std::int32_t) { return middle(a, b); };
+    for (const auto& [a, b] : codec::kSquareSides)
+      codec::bisect(a, b, codec::NestedPoints::kBasePoints - 1, split, [](auto...) {});
     if (parent_ == nullptr) choose_own_levels();
     order_points();
     add_vertices();
@@ -160,14 +163,14 @@ class ShapeMaker {
   /// The five points that are always there. A corner of the tile that is none of the parent's, the middle of a side of
   /// the parent or of a half diagonal, lies between two that are.
   void add_base() {
-    const codec::RightTriangles places(std::countr_zero(static_cast<std::uint32_t>(side_)));
+    const codec::NestedPoints places(std::countr_zero(static_cast<std::uint32_t>(side_)));
     const auto corner = static_cast<std::size_t>(quadrant_x() | quadrant_y() << 1);
     std::array<Point, 4> parents{};
     for (std::size_t k = 0; k < 4 && parent_ != nullptr; ++k) {
       parents[k].gap = parents_corners_[k] < 0;
       if (!parents[k].gap) inherit(parents[k], static_cast<std::size_t>(parents_corners_[k]));
     }
-    for (std::size_t i = 0; i < codec::RightTriangles::kBasePoints; ++i) {
+    for (std::size_t i = 0; i < codec::NestedPoints::kBasePoints; ++i) {
       const auto [x, y] = places.base_place(static_cast<std::int32_t>(i));
       Point p{x, y, 0, false, {}, {}};
       const std::int32_t own = own_.get(x, y);
@@ -176,7 +179,7 @@ class ShapeMaker {
         set_own(p, own);
         if (parent_ == nullptr) {
           set_coarse(p, kNone, nullptr, nullptr);
-        } else if (i == codec::RightTriangles::kBasePoints - 1) {
+        } else if (i == codec::NestedPoints::kBasePoints - 1) {
           set_coarse(p, inherited_.get(x, y), &parents[corner], &points_[corner ^ 3U]);
         } else {
           set_coarse(p, inherited_.get(x, y), &parents[corner], &parents[i]);
@@ -210,13 +213,11 @@ class ShapeMaker {
     return add(p);
   }
 
-  void descend(std::int32_t a, std::int32_t b, std::int32_t c) {
+  std::optional<std::int32_t> middle(std::int32_t a, std::int32_t b) {
     const std::int32_t x = point(a).x + point(b).x;
     const std::int32_t y = point(a).y + point(b).y;
-    const std::int32_t middle = ((x | y) & 1) != 0 ? kNone : find_or_add(x / 2, y / 2, a, b);
-    if (middle == kNone) return;
-    descend(c, a, middle);
-    descend(b, c, middle);
+    const std::int32_t found = ((x | y) & 1) != 0 ? kNone : find_or_add(x / 2, y / 2, a, b);
+    return found == kNone ? std::nullopt : std::optional(found);
   }
 
   /// Without a parent: for each level the coarsest of the payload's own that is sure to keep its bound.
@@ -239,14 +240,14 @@ class ShapeMaker {
       const auto first = std::ranges::lower_bound(chosen, static_cast<std::size_t>(p.level));
       p.level = static_cast<int>(first - chosen.begin());
     }
-    for (std::size_t i = 0; i < codec::RightTriangles::kBasePoints; ++i) points_[i].level = 0;
+    for (std::size_t i = 0; i < codec::NestedPoints::kBasePoints; ++i) points_[i].level = 0;
   }
 
   /// By their levels, the five first.
   void order_points() {
-    std::stable_sort(points_.begin() + codec::RightTriangles::kBasePoints, points_.end(),
+    std::stable_sort(points_.begin() + codec::NestedPoints::kBasePoints, points_.end(),
                      [](const Point& a, const Point& b) { return a.level < b.level; });
-    codec::RightTriangles hierarchy(std::countr_zero(static_cast<std::uint32_t>(side_)));
+    codec::NestedPoints hierarchy(std::countr_zero(static_cast<std::uint32_t>(side_)));
     for (const Point& p : points_) {
       hierarchy.add({p.x, p.y, 0, static_cast<std::uint8_t>(p.level), p.gap});
       if (p.gap) shape_.gaps.push_back({p.x, p.y, static_cast<std::uint8_t>(p.level)});
@@ -343,7 +344,7 @@ bool can_have_nested_shape(const codec::TreeLayout& layout, const codec::TileId&
   // Half samples are the finest that the outlines of neighbours are compared by.
   if (mesh.nested_levels.empty() || mesh.xy_shift < -1) return false;
   const double side = std::ldexp(static_cast<double>(layout.cells_across(id.level)), -mesh.xy_shift);
-  if (side < 2 || side > 1 << codec::RightTriangles::kMostSideBits) return false;
+  if (side < 2 || side > 1 << codec::NestedPoints::kMostSideBits) return false;
   int corners_and_centre = 0;
   const auto inside = [&](const auto& p) {
     const auto in_line = [side](double v) { return v == 0 || v == side; };
@@ -352,7 +353,7 @@ bool can_have_nested_shape(const codec::TreeLayout& layout, const codec::TileId&
   };
   const std::span vertices(mesh.vertices.begin(), std::min(mesh.nested_levels.size(), mesh.vertices.size()));
   return std::ranges::all_of(vertices, inside) && std::ranges::all_of(mesh.nested_gaps, inside) &&
-         corners_and_centre == codec::RightTriangles::kBasePoints;
+         corners_and_centre == codec::NestedPoints::kBasePoints;
 }
 
 NestedShape make_nested_shape(const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh,

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "codec/quick_bit_model.h"
 #include "codec/range_coder.h"
 #include "codec/strip_follower.h"
 #include "codec/strip_packer.h"
@@ -33,7 +34,7 @@ class TypeModels {
   }
 
  private:
-  std::array<std::array<std::array<BitModel, 2>, 27>, kSizes> models_;
+  std::array<std::array<std::array<QuickBitModel, 2>, 27>, kSizes> models_;
   std::size_t before_ = 0;
 };
 
@@ -50,15 +51,15 @@ class HeightModels {
     const std::uint32_t a = v1 == head_.missing() ? v2 : v1;
     const std::uint32_t b = v2 == head_.missing() ? v1 : v2;
     const std::uint32_t guess = a == head_.missing() ? 0 : (a + b) / 2;
-    NumberModel& model = models_[std::min(static_cast<std::size_t>(size), kSizes - 1)];
+    NumberModelOf<QuickBitModel>& model = models_[std::min(static_cast<std::size_t>(size), kSizes - 1)];
     const std::int64_t off = model.code(coder, std::int64_t{height} - std::int64_t{guess});
     return guess + static_cast<std::uint32_t>(off);
   }
 
  private:
   StripHead head_;
-  std::array<BitModel, 2> gone_;
-  std::array<NumberModel, kSizes> models_;
+  std::array<QuickBitModel, 2> gone_;
+  std::array<NumberModelOf<QuickBitModel>, kSizes> models_;
 };
 
 /// Heights in the order of the path, each vertex's at its first entry; `given` are those to be written, or empty.
@@ -112,7 +113,6 @@ Expected<CodedStrip> read(std::span<const std::byte> bytes) {
     out.types.push_back(type);
     sizes.push_back(out.path.edge().size);
   }
-  out.path.number();
   out.heights.resize(head->triangles + std::size_t{2});
   if (!code_heights(decoder, *head, out.path, sizes, out.heights) || !decoder.finished()) return refuse();
   return out;
@@ -146,7 +146,6 @@ Expected<std::vector<std::byte>> CodedStripMesh::encode(const TileMesh& mesh) co
     sizes.push_back(path.edge().size);
     heights.push_back(source->code(s.v3));
   }
-  path.number();
   code_heights(encoder, source->head, path, sizes, heights);
   std::ranges::copy(encoder.finish(0), std::back_inserter(out));
   return out;

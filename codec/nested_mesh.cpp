@@ -7,7 +7,7 @@
 
 #include "codec/nested_payload.h"
 #include "codec/nested_tile.h"
-#include "codec/right_triangles.h"
+#include "codec/nested_points.h"
 #include "codec/split_fans.h"
 
 namespace tintree::codec {
@@ -39,9 +39,9 @@ class TriangleSum {
   std::uint64_t count_ = 0;
 };
 
-GridVertex vertex(const HierarchyPoint& p) { return {p.x, p.y, p.z}; }
+GridVertex vertex(const NestedPoint& p) { return {p.x, p.y, p.z}; }
 
-bool same_triangles(const TileMesh& mesh, const RightTriangles& points) {
+bool same_triangles(const TileMesh& mesh, const NestedPoints& points) {
   TriangleSum given;
   for (const Triangle& t : mesh.triangles) given.add(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
   TriangleSum made;
@@ -64,12 +64,12 @@ int side_bits_of(const TileMesh& mesh) {
 Expected<std::vector<std::byte>> NestedMesh::encode(const TileMesh& mesh) const {
   if (mesh.nested_levels.empty() || mesh.nested_levels.size() > mesh.vertices.size()) return not_nested();
   const int side_bits = side_bits_of(mesh);
-  if (side_bits > RightTriangles::kMostSideBits)
+  if (side_bits > NestedPoints::kMostSideBits)
     return fail(ErrorCode::kBadData, "the tile is too wide for method nested; choose a larger --error or --tile");
-  RightTriangles points(side_bits);
-  const auto add = [&](const HierarchyPoint& p) {
+  NestedPoints points(side_bits);
+  const auto add = [&](const NestedPoint& p) {
     const bool fits = p.x >= 0 && p.y >= 0 && p.x <= points.side() && p.y <= points.side() &&
-                      points.find(p.x, p.y) == RightTriangles::kNone && p.level < NestedTile::kMostLevels;
+                      points.find(p.x, p.y) == NestedPoints::kNone && p.level < NestedTile::kMostLevels;
     if (fits) points.add(p);
     return fits;
   };
@@ -80,7 +80,7 @@ Expected<std::vector<std::byte>> NestedMesh::encode(const TileMesh& mesh) const 
   for (const NestedGap& g : mesh.nested_gaps) {
     if (!add({g.x, g.y, 0, g.level, true})) return not_nested();
   }
-  RightTriangles written(side_bits);
+  NestedPoints written(side_bits);
   auto bytes = write_nested(mesh.xy_shift, mesh.z_offset, side_bits, NestedTile::kMostLevels, points, written);
   if (bytes && !same_triangles(mesh, written)) return not_nested();
   return bytes;
@@ -97,7 +97,7 @@ Expected<TileMesh> NestedMesh::decode(std::span<const std::byte> bytes) const {
   return mesh;
 }
 
-TileMesh finest_mesh(const RightTriangles& points) {
+TileMesh finest_mesh(const NestedPoints& points) {
   constexpr std::uint32_t kUnused = UINT32_MAX;
   TileMesh mesh;
   std::vector<std::uint32_t> number(points.points().size(), kUnused);
@@ -114,7 +114,7 @@ TileMesh finest_mesh(const RightTriangles& points) {
     mesh.triangles.push_back({number_of(a), number_of(b), number_of(c)});
   });
   for (std::size_t i = 0; i < number.size(); ++i) {
-    const HierarchyPoint& p = points.points()[i];
+    const NestedPoint& p = points.points()[i];
     if (number[i] == kUnused) mesh.nested_gaps.push_back({p.x, p.y, p.level});
   }
   if (!mesh.nested_gaps.empty()) split_fans(mesh);

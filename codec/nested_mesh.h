@@ -1,7 +1,7 @@
 #pragma once
 
 #include "codec/mesh_codec.h"
-#include "codec/right_triangles.h"
+#include "codec/nested_points.h"
 
 namespace tintree::codec {
 
@@ -10,13 +10,13 @@ namespace tintree::codec {
 /// triangles that makes goes without saying (docs/format.md).
 class NestedMesh final : public MeshCodec {
  public:
-  /// `mesh` as simplify::NestedMaker makes it: its triangles are those of RightTriangles over its vertices and gaps.
+  /// `mesh` as simplify::NestedMaker makes it: its triangles are those of NestedPoints over its vertices and gaps.
   /// Refuses any other, and tiles more than 2^18 address steps wide.
   Expected<std::vector<std::byte>> encode(const TileMesh& mesh) const override;
   Expected<TileMesh> decode(std::span<const std::byte> bytes) const override;
 };
 
 /// The mesh of all points, with the level of each vertex. Points without a triangle are its gaps.
-TileMesh finest_mesh(const RightTriangles& points);
+TileMesh finest_mesh(const NestedPoints& points);
 
 }  // namespace tintree::codec

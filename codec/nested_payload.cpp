@@ -10,7 +10,7 @@
 namespace tintree::codec {
 namespace {
 
-constexpr auto kPayloadVersion = std::byte{1};
+constexpr auto kPayloadVersion = std::byte{2};
 /// The most points that a block of so many bytes can add; some 300 are possible.
 std::size_t most_points(std::size_t bytes) { return 4096 * (bytes + 16); }
 
@@ -27,7 +27,7 @@ Expected<NestedPayload> parse_nested(std::span<const std::byte> bytes, int level
   out.xy_shift = static_cast<std::int8_t>(bytes[1]);
   out.side_bits = static_cast<int>(bytes[2]);
   const int count = static_cast<int>(bytes[3]);
-  if (out.side_bits < 1 || out.side_bits > RightTriangles::kMostSideBits || count < 1 ||
+  if (out.side_bits < 1 || out.side_bits > NestedPoints::kMostSideBits || count < 1 ||
       count > NestedTile::kMostLevels) {
     return damaged();
   }
@@ -55,8 +55,8 @@ Expected<NestedPayload> parse_nested(std::span<const std::byte> bytes, int level
   return out;
 }
 
-Expected<RightTriangles> read_points(const NestedPayload& payload, int levels) {
-  RightTriangles points(payload.side_bits);
+Expected<NestedPoints> read_points(const NestedPayload& payload, int levels) {
+  NestedPoints points(payload.side_bits);
   const auto coder = std::make_unique<PointCoder<RangeDecoder>>(points, nullptr);
   std::size_t count = 0;
   for (std::size_t i = 0; i < payload.blocks.size() && static_cast<int>(i) < levels; ++i) {
@@ -68,7 +68,7 @@ Expected<RightTriangles> read_points(const NestedPayload& payload, int levels) {
 }
 
 Expected<std::vector<std::byte>> write_nested(int xy_shift, std::int64_t z_offset, int side_bits, int levels,
-                                              const RightTriangles& points, RightTriangles& written) {
+                                              const NestedPoints& points, NestedPoints& written) {
   const auto coder = std::make_unique<PointCoder<RangeEncoder>>(written, &points);
   std::vector<std::byte> out{kPayloadVersion, static_cast<std::byte>(static_cast<std::int8_t>(xy_shift)),
                              static_cast<std::byte>(side_bits), static_cast<std::byte>(levels)};

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "codec/error.h"
-#include "codec/right_triangles.h"
+#include "codec/nested_points.h"
 
 namespace tintree::codec {
 
@@ -27,9 +27,9 @@ struct NestedPayload {
 /// Takes a payload apart; of the blocks, the first `levels` must be whole.
 Expected<NestedPayload> parse_nested(std::span<const std::byte> bytes, int levels);
 /// Reads the points of the first `levels` blocks.
-Expected<RightTriangles> read_points(const NestedPayload& payload, int levels);
+Expected<NestedPoints> read_points(const NestedPayload& payload, int levels);
 /// The way back: all levels of `points`, which come in any order. `written`, empty, gets them as a reader does.
 Expected<std::vector<std::byte>> write_nested(int xy_shift, std::int64_t z_offset, int side_bits, int levels,
-                                              const RightTriangles& points, RightTriangles& written);
+                                              const NestedPoints& points, NestedPoints& written);
 
 }  // namespace tintree::codec

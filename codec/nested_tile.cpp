@@ -15,13 +15,13 @@ using LevelHeights = std::array<float, NestedTile::kMostLevels - 1>;
 
 /// How far above each point the coarser meshes are. A point is the middle of a side that lies in one triangle of every
 /// level that lacks the point, so each of these meshes is there at the mean of its heights at the side's ends.
-std::vector<LevelHeights> rises(const RightTriangles& points) {
+std::vector<LevelHeights> rises(const NestedPoints& points) {
   std::vector<LevelHeights> out(points.points().size(), LevelHeights{});
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const HierarchyPoint& p = points.points()[i];
-    if (p.gap || p.end_a == RightTriangles::kNone) continue;
-    const HierarchyPoint& a = points.point(p.end_a);
-    const HierarchyPoint& b = points.point(p.end_b);
+    const NestedPoint& p = points.points()[i];
+    if (p.gap || p.end_a == NestedPoints::kNone) continue;
+    const NestedPoint& a = points.point(p.end_a);
+    const NestedPoint& b = points.point(p.end_b);
     if (a.gap || b.gap) continue;
     const float middle = static_cast<float>(a.z + b.z) / 2 - static_cast<float>(p.z);
     for (std::size_t k = 0; k < p.level; ++k) {
@@ -41,9 +41,9 @@ int exponent_for(int level, int levels, float largest) {
 /// Numbers the vertices of a hierarchy and orders its levels' triangles.
 class FanMaker {
  public:
-  explicit FanMaker(const RightTriangles& points) : points_(points), number_(points.points().size()) {
+  explicit FanMaker(const NestedPoints& points) : points_(points), number_(points.points().size()) {
     for (std::size_t i = 0; i < number_.size(); ++i) {
-      const HierarchyPoint& p = points.points()[i];
+      const NestedPoint& p = points.points()[i];
       if (p.gap) continue;
       number_[i] = static_cast<std::uint32_t>(out.vertex_points.size());
       out.vertex_points.push_back(static_cast<std::int32_t>(i));
@@ -70,7 +70,7 @@ class FanMaker {
   /// their centres' fans are all there is.
   std::vector<std::uint32_t> hubs(const std::vector<Triangle>& triangles) const {
     const auto unit = [this](std::uint32_t v) {
-      const HierarchyPoint& p = points_.point(out.vertex_points[v]);
+      const NestedPoint& p = points_.point(out.vertex_points[v]);
       const std::int32_t u = (p.x | p.y) & -(p.x | p.y);
       return (p.x & p.y & u) != 0 ? u : std::numeric_limits<std::int32_t>::max();
     };
@@ -86,17 +86,17 @@ class FanMaker {
     return hubs;
   }
 
-  const RightTriangles& points_;
+  const NestedPoints& points_;
   std::vector<std::uint32_t> number_;
 };
 
 /// `all_levels`: of the payload, read or not.
-void add_vertices(const RightTriangles& points, const std::vector<std::int32_t>& vertex_points, int all_levels,
+void add_vertices(const NestedPoints& points, const std::vector<std::int32_t>& vertex_points, int all_levels,
                   NestedTile& tile) {
   const std::vector<LevelHeights> all = rises(points);
   LevelHeights largest{};
   for (const std::int32_t i : vertex_points) {
-    const HierarchyPoint& p = points.point(i);
+    const NestedPoint& p = points.point(i);
     tile.vertices.push_back({p.x, p.y, p.z});
     const LevelHeights& own = all[static_cast<std::size_t>(i)];
     for (std::size_t k = 0; k < largest.size(); ++k) largest[k] = std::max(largest[k], std::abs(own[k]));
@@ -121,7 +121,7 @@ double NestedTile::height(std::size_t v, int i) const {
   return static_cast<double>(vertices[v].z) + rise;
 }
 
-NestedFans nested_fans(const RightTriangles& points, int levels) {
+NestedFans nested_fans(const NestedPoints& points, int levels) {
   FanMaker maker(points);
   maker.out.level_vertices.resize(static_cast<std::size_t>(levels),
                                   static_cast<std::uint32_t>(maker.out.vertex_points.size()));

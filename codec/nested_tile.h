@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "codec/error.h"
-#include "codec/right_triangles.h"
+#include "codec/nested_points.h"
 #include "codec/tile_mesh.h"
 
 namespace tintree::codec {
@@ -26,7 +26,7 @@ struct NestedFans {
 
 /// Of the levels below `levels`. The points come in the order of their levels; gaps are no vertices. Cost: about 0.2 us
 /// a vertex.
-NestedFans nested_fans(const RightTriangles& points, int levels);
+NestedFans nested_fans(const NestedPoints& points, int levels);
 
 /// A tile of method `nested` (Schneider and Westermann 2006) as it is drawn: nested meshes M_0, the coarsest, to
 /// M_(levels - 1), the tile's own, over shared vertices. Level i uses the first level_vertices[i] of them, so a finer

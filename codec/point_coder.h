@@ -7,106 +7,140 @@
 #include <cstdlib>
 #include <vector>
 
+#include "codec/nested_points.h"
+#include "codec/quick_bit_model.h"
 #include "codec/range_coder.h"
-#include "codec/right_triangles.h"
+#include "codec/split_heights.h"
+#include "codec/split_hierarchy.h"
 
 namespace tintree::codec {
 
-/// Codes the points of RightTriangles level by level: for each triangle of the level before, and then of those that it
-/// is split into, whether it is split; where it is, whether there is surface and how far it lies above the middle
-/// between the ends of the longest side. One program for both ways: `Coder` is RangeEncoder or RangeDecoder, and what
-/// is to be written comes from `source`, null when reading.
+/// Codes NestedPoints level by level: of each place where triangles can be split, as both of its parents are points,
+/// whether they are; where they are, whether there is surface and how high. One program for both ways: `Coder` is
+/// RangeEncoder or RangeDecoder, and what is to be written comes from `source`, null when reading.
 template <typename Coder>
 class PointCoder {
  public:
-  PointCoder(RightTriangles& points, const RightTriangles* source)
-      : points_(points), source_(source), asked_(points.side()) {}
+  PointCoder(NestedPoints& points, const NestedPoints* source) : points_(points), source_(source) {}
 
   /// Adds the points of the next level. False when reading finds more than `most` points or a height out of range.
   bool code(Coder& coder, std::size_t most) {
     coder_ = &coder;
     most_ = most;
-    for (std::int32_t i = 0; level_ == 0 && sound_ && i < RightTriangles::kBasePoints; ++i) add_base(i);
-    if (sound_) {
-      points_.walk([this](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t x,
-                          std::int32_t y) { return split(a, b, c, x, y); },
-                   [](std::int32_t, std::int32_t, std::int32_t) {});
+    if (level_ == 0) add_base();
+    // Grows while it is gone through; what stays is asked again for the next level.
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < places_.size() && sound_; ++i) {
+      const Place place = places_[i];
+      if (!split(place)) places_[kept++] = place;
     }
+    places_.resize(kept);
     ++level_;
     return sound_;
   }
 
  private:
-  static constexpr std::int32_t kNone = RightTriangles::kNone;
+  static constexpr std::int32_t kNone = NestedPoints::kNone;
 
-  const HierarchyPoint* wanted(std::int32_t x, std::int32_t y) const {
+  /// Where triangles can be split: the ends of their longest side and their right angles, the second one none where
+  /// the tile ends.
+  struct Place {
+    std::int32_t x = 0;
+    std::int32_t y = 0;
+    std::int32_t end_a = kNone;
+    std::int32_t end_b = kNone;
+    std::int32_t apex = kNone;
+    std::int32_t other_apex = kNone;
+  };
+
+  const NestedPoint* wanted(std::int32_t x, std::int32_t y) const {
     const std::int32_t i = source_ != nullptr ? source_->find(x, y) : kNone;
     return i != kNone && source_->point(i).level <= level_ ? &source_->point(i) : nullptr;
   }
 
-  void add_base(std::int32_t number) {
-    const auto [x, y] = points_.base_place(number);
-    add({x, y, 0, 0, false, kNone, kNone}, wanted(x, y), last_z_, 0);
-  }
-
-  std::int32_t split(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t x, std::int32_t y) {
-    const std::int32_t known = points_.find(x, y);
-    if (known != kNone || !sound_) return known;
-    if (asked_.get(x, y) == level_ + 1) return kNone;
-    const HierarchyPoint& from = points_.point(a);
-    const HierarchyPoint& to = points_.point(b);
-    const HierarchyPoint& apex = points_.point(c);
-    const int width = std::abs(from.x - to.x);
-    const int height = std::abs(from.y - to.y);
-    const auto size = static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(std::max(width, height))));
-    const std::size_t shape = 2 * size + (width == height ? 1 : 0);
-    const std::size_t fresh = (apex.level == level_ ? 1U : 0U) + (from.level == level_ || to.level == level_ ? 1U : 0U);
-    const std::size_t gap = from.gap || to.gap || apex.gap ? 1 : 0;
-    const HierarchyPoint* wish = wanted(x, y);
-    if (!coder_->bit(split_[level_][(shape * 3 + fresh) * 2 + gap], wish != nullptr)) {
-      asked_.set(x, y, static_cast<std::uint8_t>(level_ + 1));
-      return kNone;
+  void add_base() {
+    for (std::int32_t i = 0; i < NestedPoints::kBasePoints && sound_; ++i) {
+      const auto [x, y] = points_.base_place(i);
+      add({x, y, kNone, kNone, kNone, kNone}, wanted(x, y));
     }
-    const std::int32_t middle = from.gap ? to.gap ? last_z_ : to.z : to.gap ? from.z : (from.z + to.z) >> 1;
-    const std::uint8_t rough = std::max({rough_of(a), rough_of(b), rough_of(c)});
-    return add({x, y, 0, static_cast<std::uint8_t>(level_), false, a, b}, wish, middle, rough);
+    if (sound_) add_places(NestedPoints::kBasePoints - 1);
   }
 
-  std::uint8_t rough_of(std::int32_t i) const { return rough_[static_cast<std::size_t>(i)]; }
+  bool fresh(std::int32_t i) const { return points_.point(i).level == level_; }
+  bool gap(std::int32_t i) const { return i != kNone && points_.point(i).gap; }
 
-  std::int32_t add(HierarchyPoint point, const HierarchyPoint* wish, std::int32_t expected_z, std::uint8_t rough) {
-    const auto gaps = [&](std::int32_t i) { return i != kNone && points_.point(i).gap ? std::size_t{1} : 0; };
-    point.gap = coder_->bit(gap_[gaps(point.end_a) + gaps(point.end_b)], wish != nullptr && wish->gap);
-    std::uint8_t digits = 0;
+  bool split(const Place& p) {
+    const std::int32_t other = p.other_apex != kNone ? p.other_apex : p.apex;
+    const std::int32_t unit = (p.x | p.y) & -(p.x | p.y);
+    const auto shape =
+        2 * static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(unit))) + ((p.x & p.y & unit) != 0 ? 1U : 0U);
+    const std::size_t news = (fresh(p.apex) ? 1U : 0U) + (fresh(other) ? 1U : 0U);
+    const bool holes = gap(p.end_a) || gap(p.end_b) || gap(p.apex) || gap(other);
+    const int rough = std::max(height(p.apex).digits, height(other).digits) + level_ - kSmooth;
+    const auto row = static_cast<std::size_t>(std::clamp(rough, 0, 3));
+    const NestedPoint* wish = wanted(p.x, p.y);
+    QuickBitModel& model = split_[((shape * 3 + news) * 4 + row) * 2 + (holes ? 1 : 0)];
+    if (!coder_->bit(model, wish != nullptr)) return false;
+    add_places(add(p, wish));
+    return true;
+  }
+
+  SplitHeight height(std::int32_t i) const {
+    return i == kNone ? SplitHeight{} : heights_[static_cast<std::size_t>(i)];
+  }
+
+  std::int32_t add(const Place& p, const NestedPoint* wish) {
+    NestedPoint point{p.x, p.y, 0, static_cast<std::uint8_t>(level_), false, p.end_a, p.end_b};
+    point.gap = coder_->bit(gap_[(gap(p.end_a) ? 1U : 0U) + (gap(p.end_b) ? 1U : 0U)], wish != nullptr && wish->gap);
+    SplitHeight made;
     if (!point.gap) {
-      NumberModel& model = height_[std::min<std::size_t>(rough, kRoughness - 1)];
-      const std::int64_t residual = model.code(*coder_, wish != nullptr ? std::int64_t{wish->z} - expected_z : 0);
-      const std::int64_t z = expected_z + residual;
-      sound_ = sound_ && z >= 0 && z <= kMaxHeightAddress;
-      point.z = last_z_ = sound_ ? static_cast<std::int32_t>(z) : 0;
-      digits = static_cast<std::uint8_t>(std::bit_width(static_cast<std::uint64_t>(std::abs(residual))));
+      made = models_.code(*coder_, {height(p.end_a), height(p.end_b), height(p.apex), height(p.other_apex)},
+                          wish != nullptr ? wish->z : 0);
+      sound_ = sound_ && made.z >= 0 && made.z <= kMaxHeightAddress;
+      point.z = sound_ ? static_cast<std::int32_t>(made.z) : 0;
     }
-    rough_.push_back(digits);
+    heights_.push_back(made);
     sound_ = sound_ && points_.points().size() < most_;
     return points_.add(point);
   }
 
-  static constexpr std::size_t kRoughness = 16;
-  static constexpr std::size_t kShapes = 2 * (RightTriangles::kMostSideBits + 2);
-  static constexpr std::size_t kMostLevels = 9;
+  /// The places whose second parent a new point is.
+  void add_places(std::int32_t number) {
+    const SplitPoint from{points_.point(number).x, points_.point(number).y};
+    if (((from.x | from.y) & 1) != 0 && (from.x & from.y & 1) == 0) return;
+    const auto inside = [side = points_.side()](const SplitPoint& p) {
+      return p.x >= 0 && p.y >= 0 && p.x <= side && p.y <= side;
+    };
+    const auto find = [&](std::int64_t x, std::int64_t y) {
+      return points_.find(static_cast<std::int32_t>(x), static_cast<std::int32_t>(y));
+    };
+    for (const SplitPoint& p : split_children(from)) {
+      if (!inside(p)) continue;
+      const SplitPoint across{2 * p.x - from.x, 2 * p.y - from.y};
+      const bool border = !inside(across);
+      const std::int32_t other = border ? kNone : find(across.x, across.y);
+      if (other == kNone && !border) continue;
+      const SplitPoint turn{from.y - p.y, p.x - from.x};
+      places_.push_back({static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y),
+                         find(p.x + turn.x, p.y + turn.y), find(p.x - turn.x, p.y - turn.y), number, other});
+    }
+  }
 
-  RightTriangles& points_;
-  const RightTriangles* source_;
+  static constexpr std::size_t kShapes = 2 * (NestedPoints::kMostSideBits + 2);
+  /// Points of level 0 that are off by fewer digits, of level 1 by one less and so on, count for smooth ground.
+  static constexpr int kSmooth = 8;
+
+  NestedPoints& points_;
+  const NestedPoints* source_;
   Coder* coder_ = nullptr;
   int level_ = 0;
   std::size_t most_ = 0;
   bool sound_ = true;
-  std::int32_t last_z_ = 0;
-  std::vector<std::uint8_t> rough_;    // digits of each point's residual
-  SparseGrid<std::uint8_t, 0> asked_;  // the level, from 1, that was last asked in vain
-  std::array<std::array<BitModel, kShapes * 6>, kMostLevels> split_;
-  std::array<BitModel, 3> gap_;
-  std::array<NumberModel, kRoughness> height_;
+  std::vector<Place> places_;
+  std::vector<SplitHeight> heights_;  // of the points; of gaps none
+  std::array<QuickBitModel, kShapes * 24> split_;
+  std::array<QuickBitModel, 3> gap_;
+  SplitHeights models_;
 };
 
 }  // namespace tintree::codec

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <limits>
-#include <unordered_map>
 #include <utility>
 
 #include "codec/range_coder.h"
@@ -18,30 +17,32 @@ namespace {
 using Index = std::int32_t;
 using Spot = SplitPoint;
 
-constexpr Index kNone = -1;
+constexpr Index kNone = kNoPoint;
+/// Whose grids of points take a few MiB, however few there are.
+constexpr std::int64_t kMostCells = std::int64_t{1} << 22;
 
 /// Puts a mesh.
 class Putter final : public RightTriangleCoder {
  public:
-  Putter(const TileMesh& mesh, std::int64_t cells) : cells_(cells), square_(right_triangle_square(cells)) {
-    for (const GridVertex& v : mesh.vertices)
-      spots_.push_back({std::int64_t{v.x} << mesh.xy_shift, std::int64_t{v.y} << mesh.xy_shift});
-    for (std::size_t i = 0; i < spots_.size(); ++i) {
-      heights_[split_key(spots_[i])] = mesh.z_offset + mesh.vertices[i].z;
-      force(spots_[i]);
+  /// Of a mesh whose vertices lie inside the tile, which must outlive this.
+  Putter(const TileMesh& mesh, std::int64_t cells)
+      : mesh_(&mesh), cells_(cells), square_(right_triangle_square(cells)), vertices_(cells), splits_(cells) {
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      const Spot at = spot(i);
+      vertices_.set(at.x, at.y, static_cast<Index>(i));
+      force(at);
     }
-    for (const Triangle& t : mesh.triangles)
-      triangles_.push_back(canonical({spots_[t[0]], spots_[t[1]], spots_[t[2]]}));
+    for (const Triangle& t : mesh.triangles) triangles_.push_back(canonical({spot(t[0]), spot(t[1]), spot(t[2])}));
     std::ranges::sort(triangles_);
   }
 
   bool bit(BitModel& model, bool truth) override { return coder_.bit(model, truth); }
   std::int64_t number(NumberModel& model, std::int64_t truth) override { return model.code(coder_, truth); }
-  bool splits(const Spot& spot) const override { return splits_.contains(split_key(spot)); }
+  bool splits(const Spot& spot) const override { return splits_.get(spot.x, spot.y); }
   bool height(const Spot& spot, std::int64_t& z) const override {
-    const auto at = heights_.find(split_key(spot));
-    if (at == heights_.end()) return false;
-    z = at->second;
+    const Index vertex = vertices_.get(spot.x, spot.y);
+    if (vertex == kNone) return false;
+    z = mesh_->z_offset + mesh_->vertices[static_cast<std::size_t>(vertex)].z;
     return true;
   }
   bool has(const std::array<Spot, 3>& triangle) const override {
@@ -53,33 +54,38 @@ class Putter final : public RightTriangleCoder {
  private:
   using Keys = std::array<std::uint64_t, 3>;
 
+  static std::uint64_t key(const Spot& p) {
+    return static_cast<std::uint64_t>(p.y) << 32 | static_cast<std::uint64_t>(p.x);
+  }
   /// The same for every rotation.
   static Keys canonical(const std::array<Spot, 3>& t) {
-    Keys keys{split_key(t[0]), split_key(t[1]), split_key(t[2])};
+    Keys keys{key(t[0]), key(t[1]), key(t[2])};
     std::ranges::rotate(keys, std::ranges::min_element(keys));
     return keys;
   }
-  /// Notes a split and all that it needs.
+  Spot spot(std::size_t vertex) const {
+    const GridVertex& v = mesh_->vertices[vertex];
+    return {std::int64_t{v.x} << mesh_->xy_shift, std::int64_t{v.y} << mesh_->xy_shift};
+  }
   void force(const Spot& spot);
 
+  const TileMesh* mesh_;
   std::int64_t cells_;
   std::int64_t square_;
-  std::vector<Spot> spots_;
-  std::unordered_map<std::uint64_t, std::int64_t> heights_;
-  std::unordered_map<std::uint64_t, bool> splits_;
+  PointNumbers vertices_;
+  SparseGrid<bool, false> splits_;
   std::vector<Keys> triangles_;
   RangeEncoder coder_;
 };
 
+/// The corners of squares are there without any split.
 void Putter::force(const Spot& spot) {
-  const auto [x, y] = spot;
-  if (x < 0 || y < 0 || x > cells_ || y > cells_ || (x % square_ == 0 && y % square_ == 0)) return;
-  if (!splits_.emplace(split_key(spot), true).second) return;
-  const std::int64_t unit = split_unit(spot);
-  // The corners of squares are there without any split.
-  const bool centre = (x & unit) != 0 && (y & unit) != 0;
-  if (centre && 2 * unit >= square_) return;
-  for (const Spot& parent : split_parents(spot)) force(parent);
+  force_split(spot, [this](const Spot& p) {
+    const bool inside = p.x >= 0 && p.y >= 0 && p.x <= cells_ && p.y <= cells_;
+    if (!inside || (p.x % square_ == 0 && p.y % square_ == 0) || splits_.get(p.x, p.y)) return false;
+    splits_.set(p.x, p.y, true);
+    return true;
+  });
 }
 
 /// Takes one.
@@ -145,7 +151,12 @@ Expected<TileMesh> make_mesh(const std::vector<RightTrianglePoint>& points,
 
 Expected<std::vector<std::byte>> encode_right_triangles(const TileMesh& mesh, std::int64_t cells,
                                                         const HeightGuess& guess) {
-  if (mesh.xy_shift < 0) return fail(ErrorCode::kUsage, "its vertices do not lie on samples");
+  const auto inside = [&](std::int32_t at) { return at >= 0 && at <= cells >> mesh.xy_shift; };
+  if (cells > kMostCells) return fail(ErrorCode::kUsage, "the tile is too many samples wide for right triangles");
+  if (mesh.xy_shift < 0 || mesh.xy_shift >= 32 ||
+      !std::ranges::all_of(mesh.vertices, [&](const GridVertex& v) { return inside(v.x) && inside(v.y); })) {
+    return fail(ErrorCode::kUsage, "its vertices do not lie on a tile's samples");
+  }
   for (const bool holes : {false, true}) {
     Putter putter(mesh, cells);
     RightTriangleWalk walk(cells, guess, putter, holes);
@@ -169,7 +180,7 @@ Expected<std::vector<std::byte>> encode_right_triangles(const TileMesh& mesh, st
 
 Expected<TileMesh> decode_right_triangles(std::span<const std::byte> bytes, std::int64_t cells,
                                           const HeightGuess& guess) {
-  if (bytes.empty() || bytes.front() > kWithHoles) return damaged();
+  if (bytes.empty() || bytes.front() > kWithHoles || cells > kMostCells) return damaged();
   Taker taker(bytes.subspan(1));
   RightTriangleWalk walk(cells, guess, taker, bytes.front() == kWithHoles);
   std::vector<std::array<Index, 3>> triangles;

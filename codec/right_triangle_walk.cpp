@@ -54,7 +54,7 @@ std::int32_t RightTriangleWalk::add(const Spot& spot, std::int64_t unit, const O
   std::int64_t z = 0;
   const bool there = coder_->height(spot, z);
   if (holes_) {
-    const Index west = unit == 0 ? find({spot.x - square_, spot.y}) : kNone;
+    const Index west = unit == 0 && spot.x > 0 ? find({spot.x - square_, spot.y}) : kNone;
     const std::size_t context = unit > 0 ? 2 : west == kNone || points_[static_cast<std::size_t>(west)].exists ? 0 : 1;
     point.exists = coder_->bit(exists_models_[context], there);
   }
@@ -70,7 +70,7 @@ std::int32_t RightTriangleWalk::add(const Spot& spot, std::int64_t unit, const O
   }
   const auto index = static_cast<Index>(points_.size());
   points_.push_back(point);
-  by_spot_[split_key(spot)] = index;
+  numbers_.set(spot.x, spot.y, index);
   return index;
 }
 
@@ -79,7 +79,7 @@ void RightTriangleWalk::add_corners() {
   for (std::int64_t y = 0; y <= cells_; y += square_) {
     for (std::int64_t x = 0; x <= cells_; x += square_) {
       if (coder_->broken()) return;
-      Index from = x > 0 ? find({x - square_, y}) : find({x, y - square_});
+      Index from = x > 0 ? find({x - square_, y}) : y > 0 ? find({x, y - square_}) : kNone;
       if (from != kNone && !points_[static_cast<std::size_t>(from)].exists) from = kNone;
       Outlook outlook{(*guess_)(x, y), 0, 0, 0};
       outlook.flat = outlook.guess;

@@ -4,11 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "codec/range_coder.h"
 #include "codec/right_triangle_code.h"
+#include "codec/sparse_grid.h"
 #include "codec/split_hierarchy.h"
 
 namespace tintree::codec {
@@ -19,11 +19,6 @@ namespace tintree::codec {
 inline std::int64_t right_triangle_square(std::int64_t cells) {
   constexpr std::int64_t kSquares = 16;
   return std::max<std::int64_t>(1, cells / kSquares);
-}
-
-/// One number a point.
-inline std::uint64_t split_key(const SplitPoint& p) {
-  return static_cast<std::uint64_t>(p.y) << 32 | static_cast<std::uint64_t>(p.x);
 }
 
 /// A point at which triangles are split, or a corner of the squares.
@@ -53,7 +48,12 @@ class RightTriangleCoder {
 class RightTriangleWalk {
  public:
   RightTriangleWalk(std::int64_t cells, const HeightGuess& guess, RightTriangleCoder& coder, bool holes)
-      : cells_(cells), square_(right_triangle_square(cells)), guess_(&guess), coder_(&coder), holes_(holes) {}
+      : cells_(cells),
+        square_(right_triangle_square(cells)),
+        guess_(&guess),
+        coder_(&coder),
+        holes_(holes),
+        numbers_(cells) {}
 
   /// All triangles, as indices of points(); false when the coder broke.
   bool run(std::vector<std::array<std::int32_t, 3>>& triangles);
@@ -62,7 +62,7 @@ class RightTriangleWalk {
  private:
   using Index = std::int32_t;
   using Spot = SplitPoint;
-  static constexpr Index kNone = -1;
+  static constexpr Index kNone = kNoPoint;
 
   /// What is known of a point before it is coded.
   struct Outlook {
@@ -76,10 +76,7 @@ class RightTriangleWalk {
   static constexpr std::size_t kRoughness = 4;
 
   bool inside(const Spot& s) const { return s.x >= 0 && s.y >= 0 && s.x <= cells_ && s.y <= cells_; }
-  Index find(const Spot& s) const {
-    const auto at = by_spot_.find(split_key(s));
-    return at == by_spot_.end() ? kNone : at->second;
-  }
+  Index find(const Spot& s) const { return numbers_.get(s.x, s.y); }
   Index add(const Spot& spot, std::int64_t unit, const Outlook& outlook);
   void add_corners();
   Outlook look(const Spot& spot, Index a, Index b, std::int64_t roughness) const;
@@ -96,7 +93,7 @@ class RightTriangleWalk {
   RightTriangleCoder* coder_;
   bool holes_;
   std::vector<RightTrianglePoint> points_;
-  std::unordered_map<std::uint64_t, Index> by_spot_;
+  PointNumbers numbers_;
   bool last_there_ = true;
 
   std::array<std::array<std::array<BitModel, kRoughness>, kExpected>, 2> split_models_;

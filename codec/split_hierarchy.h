@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 namespace tintree::codec {
 
@@ -46,5 +47,28 @@ inline std::array<SplitPoint, 4> split_children(const SplitPoint& p) {
   const std::int64_t h = u / 2;
   return {{{p.x - h, p.y - h}, {p.x + h, p.y - h}, {p.x - h, p.y + h}, {p.x + h, p.y + h}}};
 }
+
+/// Splits at a point and, before that counts, at all that its triangles need. `set(point)` notes a split and tells
+/// whether it is new; it says no beyond the grid, and where its triangles are there from the start.
+template <typename Set>
+void force_split(const SplitPoint& p, const Set& set) {
+  if (!set(p)) return;
+  for (const SplitPoint& parent : split_parents(p)) force_split(parent, set);
+}
+
+/// Visits a triangle's parts along a space-filling curve: longest side a-b, right angle at c, counter-clockwise from
+/// above. `split(a, b, c)` gives the point in the middle of a-b, as corners are given, or none; then `leaf(a, b, c)`
+/// is called.
+template <typename Corner, typename Split, typename Leaf>
+void bisect(const Corner& a, const Corner& b, const Corner& c, const Split& split, const Leaf& leaf) {
+  const std::optional<Corner> middle = split(a, b, c);
+  if (!middle) return leaf(a, b, c);
+  bisect(c, a, *middle, split, leaf);
+  bisect(b, c, *middle, split, leaf);
+}
+
+/// The four triangles round a square's centre, as the ends of their longest sides: the square's corners, of which bit
+/// 0 says east, bit 1 south.
+inline constexpr std::array<std::array<std::int32_t, 2>, 4> kSquareSides{{{1, 0}, {0, 2}, {2, 3}, {3, 1}}};
 
 }  // namespace tintree::codec

@@ -7,23 +7,25 @@
 namespace tintree::codec {
 
 StripFollower::StripFollower(const StripHead& head, const StripHeader& first)
-    : head_(head), span_(1 << head.levels), points_(span_), edge_(first.edge) {
+    : head_(head), span_(1 << head.levels), numbers_(span_), edge_(first.edge) {
   places_.reserve(head.triangles + std::size_t{2});
   corners_.reserve(head.triangles);
-  places_.push_back({first.x, first.y});
-  inside_ = first.x <= span_ && first.y <= span_ && edge_.size <= head.levels && add(places_[0], 1);
-  if (inside_) points_.set(first.x, first.y);
+  inside_ = edge_.size <= head.levels && add(first.x, first.y) && add_other_end(places_[0], 1);
+}
+
+bool StripFollower::add(std::int32_t x, std::int32_t y) {
+  if (x < 0 || y < 0 || x > span_ || y > span_) return false;
+  std::int32_t vertex = numbers_.get(x, y);
+  if (vertex == kNoPoint) numbers_.set(x, y, vertex = vertices_++);
+  places_.push_back({x, y, vertex});
+  return true;
 }
 
 /// The vertex at the edge's other end.
-bool StripFollower::add(const Place& from, int sign) {
+bool StripFollower::add_other_end(const Place& from, int sign) {
   const auto d = static_cast<std::size_t>(edge_.direction);
   const std::int32_t length = sign * (1 << edge_.size);
-  const Place p{from.x + kStripX[d] * length, from.y + kStripY[d] * length};
-  if (p.x < 0 || p.y < 0 || p.x > span_ || p.y > span_) return false;
-  places_.push_back(p);
-  points_.set(p.x, p.y);
-  return true;
+  return add(from.x + kStripX[d] * length, from.y + kStripY[d] * length);
 }
 
 StripHeader StripFollower::header(bool left) const {
@@ -38,7 +40,7 @@ bool StripFollower::step(StripType type, bool left) {
   if (!inside_) return false;
   edge_ = edge_.next(type, left);
   const auto entry = static_cast<std::uint32_t>(places_.size());
-  if (edge_.size < 0 || edge_.size > head_.levels || !add(places_[entering_[left ? 0 : 1]], left ? 1 : -1))
+  if (edge_.size < 0 || edge_.size > head_.levels || !add_other_end(places_[entering_[left ? 0 : 1]], left ? 1 : -1))
     return false;
   corners_.push_back({entering_[0], entering_[1], entry});
   entering_[left ? 1 : 0] = entry;

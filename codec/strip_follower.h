@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "codec/error.h"
-#include "codec/split_flags.h"
+#include "codec/sparse_grid.h"
 #include "codec/strip_payload.h"
 #include "codec/tile_mesh.h"
 
@@ -28,27 +28,26 @@ class StripFollower {
   /// Goes on through a triangle; false when that leaves the square, or the begin did.
   bool step(StripType type, bool left);
 
-  /// After the last triangle: numbers the vertices, and tells the number of an entry's.
-  std::size_t number() { return static_cast<std::size_t>(points_.number()); }
-  std::size_t vertex(std::size_t entry) const {
-    return static_cast<std::size_t>(points_.rank(places_[entry].x, places_[entry].y));
-  }
+  /// Number of an entry's vertex, from 0, by their first entries.
+  std::size_t vertex(std::size_t entry) const { return static_cast<std::size_t>(places_[entry].vertex); }
   /// Corners of triangle i, as entries.
   const std::array<std::uint32_t, 3>& corners(std::size_t i) const { return corners_[i]; }
 
-  /// The mesh, with the height of every entry as it is coded. After number(). Fails where two heights of one vertex
-  /// differ.
+  /// The mesh, with the height of every entry as it is coded. Fails where two heights of one vertex differ.
   Expected<TileMesh> mesh(std::span<const std::uint32_t> heights) const;
 
  private:
   struct Place {
     std::int32_t x, y;
+    std::int32_t vertex;
   };
-  bool add(const Place& from, int sign);
+  bool add(std::int32_t x, std::int32_t y);
+  bool add_other_end(const Place& from, int sign);
 
   StripHead head_;
   std::int32_t span_;
-  SplitFlags points_;
+  PointNumbers numbers_;
+  std::int32_t vertices_ = 0;
   std::vector<Place> places_;
   std::vector<std::array<std::uint32_t, 3>> corners_;
   StripEdge edge_;

@@ -68,7 +68,6 @@ Expected<TileMesh> StripMesh::decode(std::span<const std::byte> bytes) const {
     if (!path.step(type, left)) return refuse();
     heights.push_back(entry >> 2);
   }
-  path.number();
   return path.mesh(heights);
 }
 

@@ -90,7 +90,7 @@ struct StripPayload : StripHead {
 
 /// Payload versions.
 inline constexpr auto kStripPacked = std::byte{1};
-inline constexpr auto kStripCoded = std::byte{2};
+inline constexpr auto kStripCoded = std::byte{3};
 
 void put_strip_head(std::vector<std::byte>& out, std::byte version, const StripHead& head);
 /// Reads a head of the version and drops it from `bytes`.

@@ -8,8 +8,6 @@
 namespace tintree::codec {
 namespace {
 
-constexpr std::int32_t kMissing = -1;
-
 /// The bit of a triangle with its right angle at `apex` and `doubled` twice the middle of its longest side.
 std::uint8_t mark_of(const SplitPoint& apex, const SplitPoint& doubled) {
   const std::int64_t dx = doubled.x - 2 * apex.x;
@@ -30,29 +28,34 @@ std::array<SplitPoint, 3> corners_of(const StripStep& s) {
 }  // namespace
 
 StripTree::StripTree(int levels, int fine)
-    : levels_(levels), fine_(fine), span_(std::int64_t{1} << levels), flags_(span_) {
-  flags_.set(span_ / 2, span_ / 2);
+    : levels_(levels), fine_(fine), span_(std::int64_t{1} << levels), numbers_(span_) {
+  add({span_ / 2, span_ / 2});
   for (const std::int64_t y : {std::int64_t{0}, span_}) {
-    for (const std::int64_t x : {std::int64_t{0}, span_}) flags_.set(x, y);
+    for (const std::int64_t x : {std::int64_t{0}, span_}) add({x, y});
   }
 }
 
+/// Whether it is new.
+bool StripTree::add(const SplitPoint& p) {
+  if (is_split(p)) return false;
+  numbers_.set(p.x, p.y, static_cast<std::int32_t>(points_.size()));
+  points_.emplace_back();
+  return true;
+}
+
 void StripTree::force(const SplitPoint& p) {
-  if (p.x < 0 || p.y < 0 || p.x > span_ || p.y > span_ || !flags_.set(p.x, p.y)) return;
-  for (const SplitPoint& parent : split_parents(p)) force(parent);
+  force_split(
+      p, [this](const SplitPoint& at) { return at.x >= 0 && at.y >= 0 && at.x <= span_ && at.y <= span_ && add(at); });
 }
 
 /// Puts the heights of the vertices that triangles use on their points.
 bool StripTree::place(const TileMesh& mesh) {
-  z_.assign(static_cast<std::size_t>(flags_.number()), kMissing);
-  marks_.assign(z_.size(), 0);
+  points_.assign(points_.size(), {});
   for (const Triangle& t : mesh.triangles) {
     for (const std::uint32_t i : t) {
-      const GridVertex& v = mesh.vertices[i];
-      std::int32_t& z =
-          z_[static_cast<std::size_t>(flags_.rank(std::int64_t{v.x} << fine_, std::int64_t{v.y} << fine_))];
-      if (z != kMissing && z != v.z) return false;
-      z = v.z;
+      std::int32_t& z = at_vertex(i).z;
+      if (z != kMissing && z != mesh.vertices[i].z) return false;
+      z = mesh.vertices[i].z;
     }
   }
   return std::ranges::all_of(mesh.triangles, [&](const Triangle& t) { return mark(mesh, t); });
@@ -61,21 +64,21 @@ bool StripTree::place(const TileMesh& mesh) {
 /// Notes a triangle of the mesh; false when it is none of the tree's.
 bool StripTree::mark(const TileMesh& mesh, const Triangle& t) {
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto at = [&](std::size_t corner) {
+    const auto place = [&](std::size_t corner) {
       const GridVertex& v = mesh.vertices[t[corner % 3]];
       return SplitPoint{std::int64_t{v.x} << fine_, std::int64_t{v.y} << fine_};
     };
-    const SplitPoint c = at(k);
-    const SplitPoint a{at(k + 1).x - c.x, at(k + 1).y - c.y};
-    const SplitPoint b{at(k + 2).x - c.x, at(k + 2).y - c.y};
+    const SplitPoint c = place(k);
+    const SplitPoint a{place(k + 1).x - c.x, place(k + 1).y - c.y};
+    const SplitPoint b{place(k + 2).x - c.x, place(k + 2).y - c.y};
     // From a to b is a quarter turn counter-clockwise.
     if (b.x != a.y || b.y != -a.x) continue;
     const SplitPoint doubled{2 * c.x + a.x + b.x, 2 * c.y + a.y + b.y};
     // The same in half steps, where every middle is a point.
     const auto parents = split_parents(doubled);
     if (std::ranges::find(parents, SplitPoint{2 * c.x, 2 * c.y}) == parents.end()) return false;
-    if (((doubled.x | doubled.y) & 1) == 0 && flags_.get(doubled.x / 2, doubled.y / 2)) return false;
-    std::uint8_t& marks = marks_[static_cast<std::size_t>(flags_.rank(c.x, c.y))];
+    if (((doubled.x | doubled.y) & 1) == 0 && is_split({doubled.x / 2, doubled.y / 2})) return false;
+    std::uint8_t& marks = at_vertex(t[k]).marks;
     const std::uint8_t bit = mark_of(c, doubled);
     const bool fresh = (marks & bit) == 0;
     marks |= bit;
@@ -96,9 +99,10 @@ bool StripTree::split_false_triangles(std::size_t wanted, bool& changed) {
       [&](const StripStep& s) {
         ++triangles_;
         const auto [a, b, c] = corners_of(s);
-        if (z(a) == kMissing || z(b) == kMissing || z(c) == kMissing) return;
+        const Point& apex = at(c);
+        if (apex.z == kMissing || z(a) == kMissing || z(b) == kMissing) return;
         const SplitPoint doubled{a.x + b.x, a.y + b.y};
-        if ((marks_[static_cast<std::size_t>(flags_.rank(c.x, c.y))] & mark_of(c, doubled)) != 0) {
+        if ((apex.marks & mark_of(c, doubled)) != 0) {
           ++found;
         } else if (((doubled.x | doubled.y) & 1) != 0) {
           possible = false;
@@ -114,10 +118,13 @@ bool StripTree::split_false_triangles(std::size_t wanted, bool& changed) {
 
 std::optional<StripTree> StripTree::find(const TileMesh& mesh, int levels, int fine) {
   StripTree tree(levels, fine);
+  tree.of_vertex_.assign(mesh.vertices.size(), kNoPoint);
   for (const Triangle& t : mesh.triangles) {
     for (const std::uint32_t i : t) {
-      const GridVertex& v = mesh.vertices[i];
-      tree.force({std::int64_t{v.x} << fine, std::int64_t{v.y} << fine});
+      if (tree.of_vertex_[i] != kNoPoint) continue;
+      const SplitPoint at{std::int64_t{mesh.vertices[i].x} << fine, std::int64_t{mesh.vertices[i].y} << fine};
+      tree.force(at);
+      tree.of_vertex_[i] = tree.numbers_.get(at.x, at.y);
     }
   }
   for (bool changed = true; changed;) {

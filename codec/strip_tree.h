@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "codec/split_flags.h"
+#include "codec/sparse_grid.h"
 #include "codec/split_hierarchy.h"
 #include "codec/tile_mesh.h"
 
@@ -21,9 +21,9 @@ class StripTree {
 
   int levels() const { return levels_; }
   int fine() const { return fine_; }
-  bool is_split(const SplitPoint& p) const { return flags_.get(p.x, p.y); }
+  bool is_split(const SplitPoint& p) const { return numbers_.get(p.x, p.y) != kNoPoint; }
   /// The vertex's height in the tile's height steps, negative where it is missing.
-  std::int32_t z(const SplitPoint& p) const { return z_[static_cast<std::size_t>(flags_.rank(p.x, p.y))]; }
+  std::int32_t z(const SplitPoint& p) const { return at(p).z; }
   /// Triangles, holes included.
   std::uint32_t triangles() const { return triangles_; }
   bool holes() const { return holes_; }
@@ -31,6 +31,16 @@ class StripTree {
  private:
   StripTree(int levels, int fine);
 
+  /// A vertex, or the corner of a hole.
+  struct Point {
+    std::int32_t z = kMissing;
+    std::uint8_t marks = 0;  ///< In which of 8 directions a triangle has its right angle here.
+  };
+  static constexpr std::int32_t kMissing = -1;
+
+  const Point& at(const SplitPoint& p) const { return points_[static_cast<std::size_t>(numbers_.get(p.x, p.y))]; }
+  Point& at_vertex(std::uint32_t v) { return points_[static_cast<std::size_t>(of_vertex_[v])]; }
+  bool add(const SplitPoint& p);
   void force(const SplitPoint& p);
   bool place(const TileMesh& mesh);
   bool mark(const TileMesh& mesh, const Triangle& t);
@@ -39,9 +49,9 @@ class StripTree {
   int levels_;
   int fine_;
   std::int64_t span_;
-  SplitFlags flags_;
-  std::vector<std::int32_t> z_;
-  std::vector<std::uint8_t> marks_;  // of a vertex: in which of 8 directions a triangle has its right angle here
+  PointNumbers numbers_;
+  std::vector<Point> points_;
+  std::vector<std::int32_t> of_vertex_;  // the point at each of the mesh's vertices
   std::uint32_t triangles_ = 0;
   bool holes_ = false;
 };

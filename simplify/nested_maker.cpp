@@ -14,7 +14,7 @@
 namespace tintree::simplify {
 namespace {
 
-using codec::RightTriangles;
+using codec::NestedPoints;
 using codec::SplitPoint;
 
 /// Points are in half samples.
@@ -44,13 +44,13 @@ Expected<codec::TileMesh> NestedMaker::make(const codec::TileId& id) {
   const std::int64_t cells = layout_.cells_across(id.level);
   const auto range = view_.surface().height_range_m(layout_.cells(id));
   if (range[0] > range[1]) return codec::TileMesh{};
-  if (2 * cells > std::int64_t{1} << RightTriangles::kMostSideBits) {
+  if (2 * cells > std::int64_t{1} << NestedPoints::kMostSideBits) {
     return fail(ErrorCode::kBadData, "the DEM is too large for method nested; choose another --method",
                 "tile " + id.text());
   }
   HeightLattice heights{layout_.z_step_m[static_cast<std::size_t>(id.level)]};
   heights.origin = heights.address(range[0]);
-  const RightTriangles points =
+  const NestedPoints points =
       collect_points(std::int64_t{id.x} * cells, std::int64_t{id.y} * cells, cells, layout_.bound_m(id.level), heights);
   if (view_.interrupted()) return tl::unexpected(*view_.error());
   codec::TileMesh made = codec::finest_mesh(points);
@@ -67,16 +67,16 @@ Expected<codec::TileMesh> NestedMaker::make(const codec::TileId& id) {
 }
 
 /// Every point that a level splits at, with its height or as a gap.
-RightTriangles NestedMaker::collect_points(std::int64_t column0, std::int64_t row0, std::int64_t cells, double bound_m,
-                                           const HeightLattice& heights) {
-  RightTriangles points(std::countr_zero(static_cast<std::uint64_t>(2 * cells)));
+NestedPoints NestedMaker::collect_points(std::int64_t column0, std::int64_t row0, std::int64_t cells, double bound_m,
+                                         const HeightLattice& heights) {
+  NestedPoints points(std::countr_zero(static_cast<std::uint64_t>(2 * cells)));
   const auto add = [&](const SplitPoint& p, int level) {
     const double h = quadtree_height_m(view_, column0, row0, p);
     const bool gap = std::isnan(h);
     points.add({static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y), gap ? 0 : heights.snap(h),
                 static_cast<std::uint8_t>(level), gap});
   };
-  for (std::int32_t i = 0; i < RightTriangles::kBasePoints; ++i) {
+  for (std::int32_t i = 0; i < NestedPoints::kBasePoints; ++i) {
     const auto [x, y] = points.base_place(i);
     add({x, y}, 0);
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "codec/right_triangles.h"
+#include "codec/nested_points.h"
 #include "simplify/restricted_quadtree.h"
 #include "simplify/tile_maker.h"
 
@@ -19,8 +19,8 @@ class NestedMaker final : public TileMaker {
   Expected<codec::TileMesh> make(const codec::TileId& id) override;
 
  private:
-  codec::RightTriangles collect_points(std::int64_t column0, std::int64_t row0, std::int64_t cells, double bound_m,
-                                       const HeightLattice& heights);
+  codec::NestedPoints collect_points(std::int64_t column0, std::int64_t row0, std::int64_t cells, double bound_m,
+                                     const HeightLattice& heights);
 
   SurfaceView view_;
   codec::TreeLayout layout_;

@@ -17,7 +17,7 @@ RestrictedQuadtree::RestrictedQuadtree(SurfaceView& view, const LevelGrid& level
                                        std::int64_t row0)
     : RestrictedQuadtree(view, level, find_splits(view, level, column0, row0), nullptr, column0, row0) {}
 
-RestrictedQuadtree::RestrictedQuadtree(SurfaceView& view, const LevelGrid& level, const codec::SplitFlags& flags,
+RestrictedQuadtree::RestrictedQuadtree(SurfaceView& view, const LevelGrid& level, const SplitFlags& flags,
                                        const RestrictedQuadtree* finer, std::int64_t column0, std::int64_t row0)
     : cells_(level.cells), samples_(level.cells), middles_(level.cells) {
   const std::int64_t ring = kRingSquares * level.square();
@@ -35,7 +35,7 @@ RestrictedQuadtree::RestrictedQuadtree(SurfaceView& view, const LevelGrid& level
 
 std::vector<RestrictedQuadtree> RestrictedQuadtree::nested(SurfaceView& view, const LevelGrid& finest, int count,
                                                            std::int64_t column0, std::int64_t row0) {
-  const std::vector<codec::SplitFlags> flags = find_nested_splits(view, finest, count, column0, row0);
+  const std::vector<SplitFlags> flags = find_nested_splits(view, finest, count, column0, row0);
   std::vector<RestrictedQuadtree> trees;
   LevelGrid level = finest;
   for (auto f = flags.rbegin(); f != flags.rend(); ++f, level.bound_m *= 2) {

@@ -3,15 +3,16 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "codec/error.h"
-#include "codec/split_flags.h"
 #include "codec/split_hierarchy.h"
 #include "codec/tile_id.h"
 #include "codec/tile_mesh.h"
 #include "simplify/level_grid.h"
 #include "simplify/reference_surface.h"
+#include "simplify/split_flags.h"
 
 namespace tintree::simplify {
 
@@ -67,8 +68,13 @@ class RestrictedQuadtree {
   template <typename Visit>
   void for_each_triangle(const Visit& visit) const {
     const std::int64_t n = 2 * cells_;
-    const std::array<codec::SplitPoint, 4> corners{{{n, 0}, {0, 0}, {0, n}, {n, n}}};
-    for (std::size_t k = 0; k < 4; ++k) descend(corners[k], corners[(k + 1) % 4], {cells_, cells_}, visit);
+    const auto corner = [n](std::int32_t k) { return codec::SplitPoint{(k & 1) * n, (k >> 1) * n}; };
+    const auto split = [this](const codec::SplitPoint& a, const codec::SplitPoint& b, const codec::SplitPoint&) {
+      const codec::SplitPoint middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
+      return get(middle) ? std::optional(middle) : std::nullopt;
+    };
+    for (const auto& [a, b] : codec::kSquareSides)
+      codec::bisect(corner(a), corner(b), codec::SplitPoint{cells_, cells_}, split, visit);
   }
 
   /// The mesh with heights that `height_m(point)` gives, NaN where there is none; on half samples, z_offset being
@@ -78,24 +84,16 @@ class RestrictedQuadtree {
 
  private:
   /// From find_splits()' flags; `finer` may be null.
-  RestrictedQuadtree(SurfaceView& view, const LevelGrid& level, const codec::SplitFlags& flags,
+  RestrictedQuadtree(SurfaceView& view, const LevelGrid& level, const SplitFlags& flags,
                      const RestrictedQuadtree* finer, std::int64_t column0, std::int64_t row0);
 
-  template <typename Visit>
-  void descend(const codec::SplitPoint& a, const codec::SplitPoint& b, const codec::SplitPoint& c,
-               const Visit& visit) const {
-    const codec::SplitPoint middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
-    if (!get(middle)) return visit(a, b, c);
-    descend(c, a, middle, visit);
-    descend(b, c, middle, visit);
-  }
   void split_cells(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0, double bound_m);
   void merge_squares(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0, double bound_m,
                      const RestrictedQuadtree* finer);
 
   std::int64_t cells_;
-  codec::SplitFlags samples_;
-  codec::SplitFlags middles_;  // of the cells with this north-west sample
+  SplitFlags samples_;
+  SplitFlags middles_;  // of the cells with this north-west sample
   std::int32_t sample_count_ = 0;
   std::int32_t middle_count_ = 0;
 };

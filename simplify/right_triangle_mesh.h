@@ -8,7 +8,7 @@
 #include "simplify/half_edge_mesh.h"
 #include "simplify/level_grid.h"
 #include "simplify/reference_surface.h"
-#include "codec/split_flags.h"
+#include "simplify/split_flags.h"
 
 namespace tintree::simplify {
 
@@ -81,7 +81,7 @@ class RightTriangleMesh {
   std::int64_t ring_;
   std::int64_t column0_;  // of the window
   std::int64_t row0_;
-  codec::SplitFlags flags_;
+  SplitFlags flags_;
 
   // The mesh that is being collected.
   StartMesh mesh_;

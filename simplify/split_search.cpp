@@ -31,10 +31,10 @@ class NestedFlags {
     while (i < flags_.size() && flags_[i].set(x, y)) ++i;
     return i > mesh;
   }
-  std::vector<codec::SplitFlags> take() { return std::move(flags_); }
+  std::vector<SplitFlags> take() { return std::move(flags_); }
 
  private:
-  std::vector<codec::SplitFlags> flags_;
+  std::vector<SplitFlags> flags_;
 };
 
 /// Searches for several nested meshes at once. A triangle that fits the bound of one fits those of all coarser ones: so
@@ -54,7 +54,7 @@ class SplitSearch {
         flags_(span_, meshes),
         bounds_m_(static_cast<std::size_t>(meshes)) {}
 
-  std::vector<codec::SplitFlags> run() {
+  std::vector<SplitFlags> run() {
     for (std::int64_t y = 0; y <= span_; y += square_) {
       for (std::int64_t x = 0; x <= span_; x += square_) flags_.set(0, x, y);
     }
@@ -106,8 +106,9 @@ class SplitSearch {
 
   /// Sets the flag of a point and of all whose triangles have to be split before its own exist.
   void force(std::size_t mesh, std::int64_t x, std::int64_t y) {
-    if (x < 0 || y < 0 || x > span_ || y > span_ || !flags_.set(mesh, x, y)) return;
-    for (const codec::SplitPoint& p : codec::split_parents({x, y})) force(mesh, p.x, p.y);
+    codec::force_split({x, y}, [&](const codec::SplitPoint& p) {
+      return p.x >= 0 && p.y >= 0 && p.x <= span_ && p.y <= span_ && flags_.set(mesh, p.x, p.y);
+    });
   }
 
   /// Both halves of a unit cell become triangles of their own where an error is beyond the bound.
@@ -349,12 +350,12 @@ class SplitSearch {
 
 }  // namespace
 
-codec::SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0) {
+SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0) {
   return std::move(SplitSearch(view, level, 1, column0, row0).run().front());
 }
 
-std::vector<codec::SplitFlags> find_nested_splits(SurfaceView& view, const LevelGrid& finest, int meshes,
-                                                  std::int64_t column0, std::int64_t row0) {
+std::vector<SplitFlags> find_nested_splits(SurfaceView& view, const LevelGrid& finest, int meshes, std::int64_t column0,
+                                           std::int64_t row0) {
   return SplitSearch(view, finest, meshes, column0, row0).run();
 }
 

@@ -5,7 +5,7 @@
 
 #include "simplify/level_grid.h"
 #include "simplify/reference_surface.h"
-#include "codec/split_flags.h"
+#include "simplify/split_flags.h"
 
 namespace tintree::simplify {
 
@@ -24,11 +24,11 @@ inline constexpr std::int64_t kRingSquares = 2;
 /// square around it and so for all triangles outside it that touch it. Ends early, with some of them, once the view is
 /// interrupted. Cost: 10 ns a sample where the surface is rough at this bound, next to nothing where its residual
 /// pyramid shows that it is flat.
-codec::SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0);
+SplitFlags find_splits(SurfaceView& view, const LevelGrid& level, std::int64_t column0, std::int64_t row0);
 
 /// The same for nested meshes, coarsest first, whose bounds are those of `finest` times 1, 2, 4, ...: what a mesh
 /// splits, the finer ones do too. Cost: little more than that of the finest mesh alone.
-std::vector<codec::SplitFlags> find_nested_splits(SurfaceView& view, const LevelGrid& finest, int meshes,
-                                                  std::int64_t column0, std::int64_t row0);
+std::vector<SplitFlags> find_nested_splits(SurfaceView& view, const LevelGrid& finest, int meshes, std::int64_t column0,
+                                           std::int64_t row0);
 
 }  // namespace tintree::simplify

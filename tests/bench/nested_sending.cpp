@@ -30,13 +30,13 @@ struct LevelCost {
 };
 
 std::size_t whole_bytes(const codec::NestedPayload& payload, int level) {
-  codec::RightTriangles points(payload.side_bits);
+  codec::NestedPoints points(payload.side_bits);
   const auto all = codec::read_points(payload, level + 1);
-  for (codec::HierarchyPoint p : all->points()) {
+  for (codec::NestedPoint p : all->points()) {
     p.level = 0;
     points.add(p);
   }
-  codec::RightTriangles written(payload.side_bits);
+  codec::NestedPoints written(payload.side_bits);
   return codec::write_nested(payload.xy_shift, payload.z_offset, payload.side_bits, 1, points, written)->size();
 }
 

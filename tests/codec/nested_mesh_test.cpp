@@ -32,7 +32,7 @@ class RandomPoints {
              level);
       }
     }
-    for (std::int32_t i = 0; i < RightTriangles::kBasePoints; ++i) {
+    for (std::int32_t i = 0; i < NestedPoints::kBasePoints; ++i) {
       const auto [x, y] = points_.base_place(i);
       add(x, y, 0);
     }
@@ -43,7 +43,7 @@ class RandomPoints {
     }
   }
 
-  const RightTriangles& points() const { return points_; }
+  const NestedPoints& points() const { return points_; }
 
  private:
   void want(const SplitPoint& p, int level) {
@@ -63,7 +63,7 @@ class RandomPoints {
   std::mt19937 random_;
   double gaps_;
   int height_range_;
-  RightTriangles points_;
+  NestedPoints points_;
   std::vector<std::set<std::array<std::int32_t, 2>>> wanted_;
 };
 
@@ -275,8 +275,8 @@ TEST_P(NestedTileTest, FansNameOnlyTheirLevelsVertices) {
 INSTANTIATE_TEST_SUITE_P(Gaps, NestedTileTest, testing::Values(0.0, 0.03));
 
 TEST(NestedTile, TakesFewIndicesForAFullGrid) {
-  RightTriangles points(6);
-  for (std::int32_t i = 0; i < RightTriangles::kBasePoints; ++i) {
+  NestedPoints points(6);
+  for (std::int32_t i = 0; i < NestedPoints::kBasePoints; ++i) {
     const auto [x, y] = points.base_place(i);
     points.add({x, y, 0, 0, false});
   }

@@ -31,7 +31,7 @@ struct Window {
   LevelGrid level;
   std::int64_t column0;
   std::int64_t row0;
-  codec::SplitFlags flags;
+  SplitFlags flags;
 
   Window(const Terrain& terrain, const LevelGrid& grid, std::int64_t tile_x, std::int64_t tile_y)
       : level(grid), column0(tile_x * grid.cells - ring()), row0(tile_y * grid.cells - ring()), flags([&] {

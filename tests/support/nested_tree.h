@@ -10,7 +10,7 @@
 
 #include "cache/tile_store.h"
 #include "codec/nested_mesh.h"
-#include "codec/right_triangles.h"
+#include "codec/nested_points.h"
 
 namespace tintree::test {
 
@@ -41,14 +41,14 @@ struct NestedTree {
     const codec::TreeLayout l = layout();
     const std::int64_t step = l.cells_across(id.level) / 64;
     const std::int32_t apart = id.level == 2 ? 4 : 1;
-    codec::RightTriangles points(6);
+    codec::NestedPoints points(6);
     const auto add = [&](std::int32_t x, std::int32_t y, int level) {
       const double east = static_cast<double>((id.x * 64 + x) * step) * kSpacing_m;
       const double south = static_cast<double>((id.y * 64 + y) * step) * kSpacing_m;
       points.add({x, y, static_cast<std::int32_t>(std::lround((ground_m(east, -south) + 100) / kStep_m)),
                   static_cast<std::uint8_t>(level), false});
     };
-    for (std::int32_t i = 0; i < codec::RightTriangles::kBasePoints; ++i) {
+    for (std::int32_t i = 0; i < codec::NestedPoints::kBasePoints; ++i) {
       const auto [x, y] = points.base_place(i);
       add(x, y, 0);
     }

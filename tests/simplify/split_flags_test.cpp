@@ -1,4 +1,4 @@
-#include "codec/split_flags.h"
+#include "simplify/split_flags.h"
 
 #include <cstdint>
 #include <random>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tintree::codec {
+namespace tintree::simplify {
 namespace {
 
 TEST(SplitFlags, RankTheirBits) {
@@ -53,4 +53,4 @@ TEST(SplitFlags, VisitWhatIsSet) {
 }
 
 }  // namespace
-}  // namespace tintree::codec
+}  // namespace tintree::simplify

@@ -2,14 +2,16 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "codec/sparse_grid.h"
+#include "codec/split_hierarchy.h"
 
 namespace tintree::codec {
 
 /// A point of a hierarchy of right triangles: triangles whose longest side has it as its middle are split there.
-struct HierarchyPoint {
+struct NestedPoint {
   std::int32_t x = 0;  ///< Address steps, as GridVertex.
   std::int32_t y = 0;
   std::int32_t z = 0;       ///< Of a gap: nothing.
@@ -23,14 +25,14 @@ struct HierarchyPoint {
 /// centre, split at the middle of the longest side wherever there is a point. The points up to a level make that
 /// level's mesh, and each triangle of a level lies in one of the level before. Points are numbered as they were added,
 /// from the five that are always there: the corners north-west, north-east, south-west, south-east, and the centre.
-class RightTriangles {
+class NestedPoints {
  public:
   /// The tile's side is `2^side_bits` address steps (1 to kMostSideBits).
-  explicit RightTriangles(int side_bits) : side_(1 << side_bits), places_(side_) {}
+  explicit NestedPoints(int side_bits) : side_(1 << side_bits), places_(side_) {}
 
   static constexpr int kMostSideBits = 18;
   static constexpr std::int32_t kBasePoints = 5;
-  static constexpr std::int32_t kNone = -1;
+  static constexpr std::int32_t kNone = kNoPoint;
 
   std::int32_t side() const { return side_; }
   /// Where the point of this number, one of the five, lies.
@@ -38,10 +40,10 @@ class RightTriangles {
     if (number == kBasePoints - 1) return {side_ / 2, side_ / 2};
     return {(number & 1) * side_, (number >> 1) * side_};
   }
-  const std::vector<HierarchyPoint>& points() const { return points_; }
-  const HierarchyPoint& point(std::int32_t i) const { return points_[static_cast<std::size_t>(i)]; }
+  const std::vector<NestedPoint>& points() const { return points_; }
+  const NestedPoint& point(std::int32_t i) const { return points_[static_cast<std::size_t>(i)]; }
   std::int32_t find(std::int32_t x, std::int32_t y) const { return places_.get(x, y); }
-  std::int32_t add(const HierarchyPoint& point) {
+  std::int32_t add(const NestedPoint& point) {
     const auto number = static_cast<std::int32_t>(points_.size());
     places_.set(point.x, point.y, number);
     points_.push_back(point);
@@ -53,8 +55,13 @@ class RightTriangles {
   /// counter-clockwise from above. The five points must be there; `split` may add others.
   template <typename Split, typename Leaf>
   void walk(const Split& split, const Leaf& leaf) const {
-    constexpr std::array<std::array<std::int32_t, 2>, 4> kSides{{{1, 0}, {0, 2}, {2, 3}, {3, 1}}};
-    for (const auto& [a, b] : kSides) descend(a, b, kBasePoints - 1, split, leaf);
+    const auto middle = [&](std::int32_t a, std::int32_t b, std::int32_t c) -> std::optional<std::int32_t> {
+      const std::int32_t x = point(a).x + point(b).x;
+      const std::int32_t y = point(a).y + point(b).y;
+      const std::int32_t found = ((x | y) & 1) != 0 ? kNone : split(a, b, c, x / 2, y / 2);
+      return found == kNone ? std::nullopt : std::optional(found);
+    };
+    for (const auto& [a, b] : kSquareSides) bisect(a, b, kBasePoints - 1, middle, leaf);
   }
 
   /// Calls `emit(a, b, c)` for each triangle of the mesh of a level that has surface.
@@ -71,22 +78,9 @@ class RightTriangles {
   }
 
  private:
-  template <typename Split, typename Leaf>
-  void descend(std::int32_t a, std::int32_t b, std::int32_t c, const Split& split, const Leaf& leaf) const {
-    const std::int32_t x = point(a).x + point(b).x;
-    const std::int32_t y = point(a).y + point(b).y;
-    const std::int32_t middle = ((x | y) & 1) != 0 ? kNone : split(a, b, c, x / 2, y / 2);
-    if (middle == kNone) {
-      leaf(a, b, c);
-      return;
-    }
-    descend(c, a, middle, split, leaf);
-    descend(b, c, middle, split, leaf);
-  }
-
   std::int32_t side_;
-  std::vector<HierarchyPoint> points_;
-  SparseGrid<std::int32_t, kNone> places_;
+  std::vector<NestedPoint> points_;
+  PointNumbers places_;
 };
 
 }  // namespace tintree::codec

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-namespace tintree::codec {
+namespace tintree::simplify {
 
 /// A bit for each point of a tile's grid, (0..cells) x (0..cells): "the right triangles that meet
 /// here have to be split". Only chunks with a bit set take memory, so a level whose surface is mostly flat
@@ -94,4 +94,4 @@ class SplitFlags {
   std::vector<std::unique_ptr<Chunk>> chunks_;
 };
 
-}  // namespace tintree::codec
+}  // namespace tintree::simplify
