@@ -113,9 +113,9 @@ class Comparison {
   /// Sets the shifts of a tile's pixels and returns the largest distance.
   Expected<double> compare_tile(const codec::TileId& id, const std::vector<std::size_t>& pixels) {
     if (pixels.empty()) return 0;
-    const auto mesh = context_.store.read_mesh(id);
+    auto mesh = context_.store.read_mesh(id);
     if (!mesh) return tl::unexpected(mesh.error());
-    const TileSurface surface = place(layout_, id, *mesh);
+    const TileSurface surface = place(layout_, id, std::move(*mesh));
     const MeshHeights heights(surface);
     double largest_px = 0;
     for (const std::size_t i : pixels) {
