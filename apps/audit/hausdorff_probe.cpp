@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "apps/audit/hausdorff.h"
@@ -129,11 +130,11 @@ double vertical_max(const TileSurface& s, const HeightWindow& window) {
 
 Expected<std::optional<HausdorffReport>> probe_tile(const AuditContext& context, const codec::TileId& id,
                                                     std::uint64_t seed) {
-  const auto mesh = context.store.read_mesh(id);
+  auto mesh = context.store.read_mesh(id);
   // A tile that cannot be read has been reported already.
   if (!mesh) return std::nullopt;
   const codec::TreeLayout& layout = context.store.manifest().layout;
-  const TileSurface surface = place(layout, id, *mesh);
+  const TileSurface surface = place(layout, id, std::move(*mesh));
   std::mt19937_64 random(seed);
   HeightWindow window;
   const std::int64_t side = probe_cells(layout, id.level);

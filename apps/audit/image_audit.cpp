@@ -4,10 +4,12 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "apps/audit/drawn_points.h"
 #include "apps/audit/view_audit.h"
 #include "apps/audit/view_comparison.h"
 #include "render/gl_context.h"
@@ -17,14 +19,15 @@ namespace tintree::audit {
 namespace {
 
 constexpr std::uint64_t kBlockBytes = std::uint64_t{256} << 20;
-/// The driver places vertices on a lattice of 1/256 of a pixel and interpolates in single precision.
-constexpr double kDriverPx = 0.05;
+/// The method whose trees are drawn by nested levels.
+constexpr std::string_view kNested = "nested";
 
 /// Draws views of one tree.
 class Painter {
  public:
   static Expected<std::unique_ptr<Painter>> create(const cache::TileStore& store, const ImageOptions& options) {
     auto painter = std::unique_ptr<Painter>(new Painter);
+    painter->as_stored_ = !options.impostors && store.manifest().method != kNested;
     auto context = render::HeadlessContext::create(render::Headless::kOsMesa);
     if (!context) context = render::HeadlessContext::create(render::Headless::kEgl);
     if (!context) return tl::unexpected(context.error());
@@ -52,7 +55,7 @@ class Painter {
 
   /// Fills `picture` and what was drawn.
   Expected<DrawnView> draw(const render::Camera& camera, app::RgbImage& picture, render::DrawStats& stats) {
-    DrawnView view{camera, {}, {}, {}};
+    DrawnView view{camera, {}, {}, {}, as_stored_};
     auto cut = draw(bare_ ? *bare_ : *scene_, camera, false, stats);
     if (!cut) return tl::unexpected(cut.error());
     view.bare_depths_m = read_depths(*cut);
@@ -88,6 +91,7 @@ class Painter {
     return depths_m;
   }
 
+  bool as_stored_ = false;
   // In the order in which they must die, the last first.
   std::unique_ptr<render::HeadlessContext> context_;
   render::GlFunctions gl_;

@@ -27,8 +27,9 @@ struct ViewReport {
   double distance_max_px = 0;
   /// From the point drawn at a pixel (the depth buffer's) to the surface above or below it.
   double drawn_max_px = 0;
-  std::uint64_t terrain_px = 0;     ///< Pixels at which the surface is seen.
-  std::uint64_t crack_px = 0;       ///< Background drawn where the surface is seen, more than a pixel from its outline.
+  std::uint64_t amiss_px = 0;    ///< Pixels that the driver drew amiss; the mesh's exact points there count as drawn.
+  std::uint64_t terrain_px = 0;  ///< Pixels at which the surface is seen.
+  std::uint64_t crack_px = 0;    ///< Background drawn where the surface is seen, more than a pixel from its outline.
   std::uint64_t silhouette_px = 0;  ///< Terrain drawn more than a pixel outside the surface's outline.
   app::RgbImage picture;            ///< As drawn.
   app::RgbImage shifts;             ///< The first of the shifts, as shares of the limit.

@@ -40,9 +40,9 @@ void put_views(Out to, const ImageReport& images) {
   for (const ViewReport& v : images.views) {
     fmt::format_to(to,
                    "view {}: {} tiles, {} triangles, off by at most {:.3f} pixels ({:.3f} as drawn) where {:.3f} are "
-                   "allowed, {} crack and {} outline pixels\n",
+                   "allowed, {} crack and {} outline pixels{}\n",
                    v.name, v.tiles, v.triangles, v.shift_max_px, v.drawn_max_px, v.limit_px, v.crack_px,
-                   v.silhouette_px);
+                   v.silhouette_px, v.amiss_px == 0 ? "" : fmt::format(", {} drawn amiss by the driver", v.amiss_px));
   }
 }
 
@@ -61,6 +61,7 @@ nlohmann::ordered_json views_json(const ImageReport& images) {
                      {"shift_rms_px", v.shift_rms_px},
                      {"distance_max_px", v.distance_max_px},
                      {"drawn_max_px", v.drawn_max_px},
+                     {"amiss_px", v.amiss_px},
                      {"crack_px", v.crack_px},
                      {"silhouette_px", v.silhouette_px},
                      {"terrain_px", v.terrain_px}});

@@ -121,11 +121,11 @@ Expected<void> put_views(std::string& out, const ReportInput& input) {
       R"(<h2>Pictures</h2><p>{} views of {}&thinsp;&times;&thinsp;{} pixels, drawn with a pixel error of {:g} and compared
 pixel by pixel with the full-resolution surface. <i>Shift</i>: how far the surface&rsquo;s point seen at a pixel lies from the drawn mesh, on
 the screen. <i>Distance</i>: the same in space, over the pixel&rsquo;s footprint.
-<i>Drawn</i>: the shift from the drawn point to the surface. <i>Cracks</i>: background seen through the terrain. <i>Outline</i>: terrain drawn more than a pixel outside the surface&rsquo;s outline. Driver: {}.</p>)",
+<i>Drawn</i>: the shift from the drawn point to the surface. <i>Amiss</i>: the driver drew a point that is on no mesh (a triangle seen edge-on); the mesh&rsquo;s exact one counts. <i>Cracks</i>: background seen through the terrain. <i>Outline</i>: terrain drawn more than a pixel outside the surface&rsquo;s outline. Driver: {}.</p>)",
       images.views.size(), images.width_px, images.height_px, images.pixel_error, escape_html(images.renderer));
   out +=
       R"(<div class="scroll"><table><tr><th class="text">View</th><th>Tiles</th><th>Triangles</th><th>Allowed, px</th>
-<th>Shift, px</th><th>RMS, px</th><th>Distance, px</th><th>Drawn, px</th><th>Cracks, px</th><th>Outline, px</th><th>Terrain, px</th></tr>)";
+<th>Shift, px</th><th>RMS, px</th><th>Distance, px</th><th>Drawn, px</th><th>Amiss, px</th><th>Cracks, px</th><th>Outline, px</th><th>Terrain, px</th></tr>)";
   for (const ViewReport& v : images.views) {
     fmt::format_to(to,
                    "\n<tr><td "
@@ -133,7 +133,8 @@ the screen. <i>Distance</i>: the same in space, over the pixel&rsquo;s footprint
                    "td><td>{:.3f}</td><td>{:.3f}</td>",
                    v.name, v.tiles, grouped(v.triangles), v.limit_px, v.shift_max_px, v.shift_rms_px, v.distance_max_px,
                    v.drawn_max_px);
-    fmt::format_to(to, "<td>{}</td><td>{}</td><td>{}</td></tr>", v.crack_px, v.silhouette_px, grouped(v.terrain_px));
+    fmt::format_to(to, "<td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>", v.amiss_px, v.crack_px, v.silhouette_px,
+                   grouped(v.terrain_px));
   }
   out += "</table></div>" + legend("the shift allowed") +
          "<p class=\"note\">Pictures of the views with the largest shifts.</p><div class=\"grid views\">";

@@ -117,7 +117,7 @@ class TileExamination {
     report_.vertices = mesh->vertices.size();
     report_.triangles = mesh->triangles.size();
     report_.bytes = stored->payload.size();
-    const TileSurface surface = place(layout_, report_.id, *mesh);
+    const TileSurface surface = place(layout_, report_.id, std::move(*mesh));
     report_.sides = side_lines(surface);
     Faults topology;
     Expected<void> measured;

@@ -1,5 +1,7 @@
 #include "apps/audit/tile_picture.h"
 
+#include <utility>
+
 #include "apps/audit/shaded_relief.h"
 
 namespace tintree::audit {
@@ -27,9 +29,9 @@ Expected<TilePictures> draw_tile(const AuditContext& context, const TileFigures&
   if (!coded) return tl::unexpected(coded.error());
   pictures.errors = std::move(*coded);
 
-  const auto mesh = context.store.read_mesh(tile.id);
+  auto mesh = context.store.read_mesh(tile.id);
   if (!mesh) return pictures;
-  coded = app::png_data_uri(shade(picture_of_mesh(place(layout, tile.id, *mesh), longest_px), layout, gain));
+  coded = app::png_data_uri(shade(picture_of_mesh(place(layout, tile.id, std::move(*mesh)), longest_px), layout, gain));
   if (!coded) return tl::unexpected(coded.error());
   pictures.mesh = std::move(*coded);
   return pictures;

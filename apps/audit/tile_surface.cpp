@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 #include <span>
+#include <utility>
 
 namespace tintree::audit {
 namespace {
@@ -56,7 +57,7 @@ void list_edges(TileSurface& s) {
 
 }  // namespace
 
-TileSurface place(const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh) {
+TileSurface place(const codec::TreeLayout& layout, const codec::TileId& id, codec::TileMesh mesh) {
   const codec::GridFrame frame(layout, id, mesh);
   TileSurface s;
   s.cells = layout.cells(id);
@@ -67,7 +68,7 @@ TileSurface place(const codec::TreeLayout& layout, const codec::TileId& id, cons
   for (const codec::GridVertex& v : mesh.vertices) {
     s.corners.push_back({v.x << shift, v.y << shift, mesh.z_offset + v.z, frame.height_m(v.z)});
   }
-  s.triangles = mesh.triangles;
+  s.triangles = std::move(mesh.triangles);
   list_edges(s);
   return s;
 }

@@ -46,6 +46,6 @@ inline std::int64_t doubled_area(const Corner& a, const Corner& b, const Corner&
 }
 
 /// Places a validated mesh. The raster's sides must not exceed kMaxSide. Linear time.
-TileSurface place(const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh);
+TileSurface place(const codec::TreeLayout& layout, const codec::TileId& id, codec::TileMesh mesh);
 
 }  // namespace tintree::audit

@@ -1,7 +1,6 @@
 #include "apps/audit/topology.h"
 
 #include <array>
-#include <vector>
 
 #include <OpenMesh/Core/Mesh/TriConnectivity.hh>
 #include <OpenMesh/Core/System/omstream.hh>
@@ -36,21 +35,20 @@ Faults check_topology(const TileSurface& s) {
   Faults faults;
   HalfEdgeMesh mesh;
   mesh.reserve(s.corners.size(), s.edges.size(), s.triangles.size());
-  std::vector<HalfEdgeMesh::VertexHandle> handles;
-  handles.reserve(s.corners.size());
-  for (std::size_t v = 0; v < s.corners.size(); ++v) handles.push_back(mesh.new_vertex());
+  mesh.resize(s.corners.size(), 0, 0);
+  const auto handle = [](std::uint32_t v) { return HalfEdgeMesh::VertexHandle(static_cast<int>(v)); };
   for (const codec::Triangle& t : s.triangles) {
-    const std::array<HalfEdgeMesh::VertexHandle, 3> corners{handles[t[0]], handles[t[1]], handles[t[2]]};
+    const std::array<HalfEdgeMesh::VertexHandle, 3> corners{handle(t[0]), handle(t[1]), handle(t[2])};
     if (!mesh.add_face(corners.data(), corners.size()).is_valid()) {
       faults.add("a triangle does not fit its neighbours (edge used twice the same way or by three) " +
                  place_text(s, t[0]));
     }
   }
   if (s.overused_edges > 0 && faults.count == 0) faults.add("an edge has more than two triangles");
-  for (std::uint32_t v = 0; v < handles.size(); ++v) {
-    if (mesh.is_isolated(handles[v])) {
+  for (std::uint32_t v = 0; v < s.corners.size(); ++v) {
+    if (mesh.is_isolated(handle(v))) {
       if (faults.count == 0) faults.add("a vertex has no triangle " + place_text(s, v));
-    } else if (!mesh.is_manifold(handles[v])) {
+    } else if (!mesh.is_manifold(handle(v))) {
       faults.add("a vertex joins several fans of triangles " + place_text(s, v));
     }
   }

@@ -20,8 +20,8 @@ std::int64_t floor_div(std::int64_t a, std::int64_t b) {
 }
 std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return -floor_div(-a, b); }
 
-/// The samples before and after places in lattice units, of which a power of two make a sample; a division for each
-/// would take a fifth of the time where triangles are as small as cells.
+/// The samples at or before and after places in lattice units, of which a power of two make a sample; a division for
+/// each would take a fifth of the time where triangles are as small as cells.
 class Samples {
  public:
   explicit Samples(int units) : shift_(std::countr_zero(static_cast<unsigned>(units))) {}
@@ -64,13 +64,13 @@ struct Crossings {
   double rise;  // of the edge, metres
 
   /// Visits the lines on which a coordinate that is `from` at a and `to` at b (lattice units) is a
-  /// multiple of the sample spacing, numbers clipped to [low, high].
+  /// multiple of the sample spacing, numbers clipped to [low, high]. Not those through the edge's ends, which
+  /// measure_corner() compares.
   template <typename Visit>
   void lines(std::int64_t from, std::int64_t to, std::int64_t low, std::int64_t high, const Visit& visit) const {
-    if (from == to) return;
     const auto [smaller, larger] = std::minmax(from, to);
-    const std::int64_t first = std::max(samples.after(smaller), low);
-    const std::int64_t last = std::min(samples.before(larger), high);
+    const std::int64_t first = std::max(samples.before(smaller) + 1, low);
+    const std::int64_t last = std::min(samples.after(larger) - 1, high);
     const auto length = static_cast<double>(to - from);
     for (std::int64_t k = first; k <= last; ++k) visit(k, static_cast<double>(k * units - from) / length);
   }
@@ -152,10 +152,6 @@ void measure_corner(const TileSurface& s, const HeightWindow& window, const Corn
 void measure_edge(const TileSurface& s, const HeightWindow& window, const Edge& edge, VerticalDistance& out) {
   const Corner& a = s.corners[edge.a];
   const Corner& b = s.corners[edge.b];
-  // A side or diagonal of a cell meets the grid at its ends alone.
-  const std::int32_t dx = b.x - a.x;
-  const std::int32_t dy = b.y - a.y;
-  if (s.units == 1 && std::max(std::abs(dx), std::abs(dy)) == 1 && dx != -dy) return;
   const Crossings crossings{window, a, b, s.units, b.z_m - a.z_m};
   Peak peak;
   offer_rows(crossings, peak);

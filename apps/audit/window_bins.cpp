@@ -1,6 +1,7 @@
 #include "apps/audit/window_bins.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "apps/audit/height_window.h"
@@ -27,29 +28,36 @@ void WindowBins::Grid::touched(std::int32_t x0, std::int32_t y0, std::int32_t x1
   }
 }
 
+template <typename Corners>
+Buckets WindowBins::Grid::file(const TileSurface& s, std::size_t count, const Corners& corners_of) const {
+  if (nx * ny == 1) return Buckets(count);
+  return Buckets(static_cast<std::size_t>(nx * ny), [&](const auto& put) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const auto corners = corners_of(i);
+      const Corner& first = s.corners[corners[0]];
+      std::int32_t x0 = first.x;
+      std::int32_t y0 = first.y;
+      std::int32_t x1 = x0;
+      std::int32_t y1 = y0;
+      for (const std::uint32_t v : corners) {
+        const Corner& p = s.corners[v];
+        x0 = std::min(x0, p.x);
+        x1 = std::max(x1, p.x);
+        y0 = std::min(y0, p.y);
+        y1 = std::max(y1, p.y);
+      }
+      touched(x0, y0, x1, y1, [&](std::size_t w) { put(w, i); });
+    }
+  });
+}
+
 WindowBins::WindowBins(const TileSurface& s)
     : grid_(s),
-      triangles_(count(),
-                 [&](const auto& put) {
-                   for (std::uint32_t t = 0; t < s.triangles.size(); ++t) {
-                     const Corner& a = s.corners[s.triangles[t][0]];
-                     const Corner& b = s.corners[s.triangles[t][1]];
-                     const Corner& c = s.corners[s.triangles[t][2]];
-                     const auto [x0, x1] = std::minmax({a.x, b.x, c.x});
-                     const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
-                     grid_.touched(x0, y0, x1, y1, [&](std::size_t w) { put(w, t); });
-                   }
-                 }),
-      edges_(count(),
-             [&](const auto& put) {
-               for (std::uint32_t e = 0; e < s.edges.size(); ++e) {
-                 const Corner& a = s.corners[s.edges[e].a];
-                 const Corner& b = s.corners[s.edges[e].b];
-                 const auto [x0, x1] = std::minmax(a.x, b.x);
-                 const auto [y0, y1] = std::minmax(a.y, b.y);
-                 grid_.touched(x0, y0, x1, y1, [&](std::size_t w) { put(w, e); });
-               }
-             }),
+      triangles_(grid_.file(s, s.triangles.size(), [&s](std::uint32_t t) { return s.triangles[t]; })),
+      edges_(grid_.file(s, s.edges.size(),
+                        [&s](std::uint32_t e) {
+                          return std::array{s.edges[e].a, s.edges[e].b};
+                        })),
       corners_(count(), [&](const auto& put) {
         for (std::uint32_t v = 0; v < s.corners.size(); ++v) {
           const Corner& p = s.corners[v];

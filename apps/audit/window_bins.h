@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,10 @@ namespace tintree::audit {
 /// Numbers filed under buckets, in one array.
 class Buckets {
  public:
+  /// One bucket with the numbers from 0 to count - 1.
+  explicit Buckets(std::size_t count) : begin_{0, count}, numbers_(count) {
+    std::iota(numbers_.begin(), numbers_.end(), 0U);
+  }
   /// `each` calls its argument with (bucket, number) for every entry; it is run twice.
   template <typename Each>
   Buckets(std::size_t count, const Each& each) : begin_(count + 2, 0) {
@@ -50,6 +55,9 @@ class WindowBins {
     /// Calls visit(window) for every window that the box, in lattice units, touches.
     template <typename Visit>
     void touched(std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y1, const Visit& visit) const;
+    /// Files `count` parts of the mesh; corners_of(number) lists a part's corners.
+    template <typename Corners>
+    Buckets file(const TileSurface& surface, std::size_t count, const Corners& corners_of) const;
 
     std::int64_t width;  // cells
     std::int64_t height;

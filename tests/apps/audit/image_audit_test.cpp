@@ -84,6 +84,7 @@ TEST_F(ImageAuditTest, PassesAGoodTree) {
   double shift = 0;
   for (const ViewReport& v : report.views) {
     EXPECT_EQ(v.crack_px, 0U) << v.name;
+    EXPECT_EQ(v.amiss_px, 0U) << v.name;
     EXPECT_GT(v.terrain_px, 0U) << v.name;
     EXPECT_LE(v.shift_max_px, 1) << v.name;
     terrain += v.terrain_px;
@@ -108,6 +109,21 @@ TEST_F(ImageAuditTest, FindsAMeshThatLiesTooHigh) {
   });
   audit();
   EXPECT_TRUE(is_found("off by"));
+}
+
+/// What a driver draws of a wrong mesh must not pass for a pixel drawn amiss.
+TEST_F(ImageAuditTest, FindsOneVertexOfATileThatLiesTooHigh) {
+  const double up_m = 30 * tree_.manifest.layout.leaf_error_m;
+  change_all([&](codec::TileMesh& mesh) {
+    const auto [low, high] = std::ranges::minmax(mesh.vertices, {}, &codec::GridVertex::x);
+    const auto inner = std::ranges::find_if(
+        mesh.vertices, [half = high.x / 2](const codec::GridVertex& v) { return v.x == half && v.y == half; });
+    if (inner != mesh.vertices.end()) inner->z += static_cast<int>(up_m / tree_.manifest.layout.z_step_m[0]);
+  });
+  const ImageReport report = audit();
+  EXPECT_TRUE(is_found("off by"));
+  EXPECT_TRUE(std::ranges::any_of(report.views, [](const ViewReport& v) { return v.drawn_max_px > v.limit_px + 1; }));
+  EXPECT_TRUE(std::ranges::all_of(report.views, [](const ViewReport& v) { return v.amiss_px == 0; }));
 }
 
 TEST_F(ImageAuditTest, FindsACrack) {
