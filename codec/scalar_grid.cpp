@@ -123,7 +123,8 @@ std::optional<FoundScalarTile> find_scalar_tile(const TileMesh& mesh) {
   ScalarTile tile{*mesh.scalar_shape, mesh.xy_shift, mesh.z_offset, {}, {}};
   std::size_t next = 0;
   for (const GridVertex& place : grid->places) {
-    const bool there = next < mesh.vertices.size() && mesh.vertices[next].x == place.x && mesh.vertices[next].y == place.y;
+    const bool there =
+        next < mesh.vertices.size() && mesh.vertices[next].x == place.x && mesh.vertices[next].y == place.y;
     tile.missing.push_back(!there);
     tile.z.push_back(there ? mesh.vertices[next++].z : 0);
   }

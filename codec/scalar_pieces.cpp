@@ -15,8 +15,8 @@ bool horizontal(int side) { return side == kNorth || side == kSouth; }
 
 /// The corner where a side's places begin and where they end, named by the side that ends there clockwise.
 int corner_at(int side, bool end) {
-  constexpr std::array<std::array<int, 2>, 4> kCorners{{{kWest, kNorth}, {kNorth, kEast}, {kSouth, kEast},
-                                                        {kWest, kSouth}}};
+  constexpr std::array<std::array<int, 2>, 4> kCorners{
+      {{kWest, kNorth}, {kNorth, kEast}, {kSouth, kEast}, {kWest, kSouth}}};
   return kCorners[static_cast<std::size_t>(side)][end ? 1 : 0];
 }
 
@@ -119,7 +119,8 @@ void ScalarPieceWalk::add_edge(const Cell& cell, int side, Places& out) {
   const GridBlock next = same ? block_ : shape_->blocks.at(x, y);
   out.push_back(place(from));
   // Neighbours that are finer begin where the cell does, and only the first of them has to be looked at.
-  if (!next.empty && next.stride < cell.stride && from + cell.stride / 2 < to) out.push_back(place(from + cell.stride / 2));
+  if (!next.empty && next.stride < cell.stride && from + cell.stride / 2 < to)
+    out.push_back(place(from + cell.stride / 2));
   sound_ = sound_ && (next.empty || (next.stride >= cell.stride / 2 && cell.stride >= next.stride / 2));
   out.push_back(place(to));
 }

@@ -35,8 +35,8 @@ class ScalarPieces {
 /// middle of an edge that it shares with finer cells and on the tile's sides, it is a fan about its middle, rounded
 /// down. Along an edge of a side that is longer than a cell all the cells at it are one such rectangle; one that is a
 /// single step wide is joined in the order of the middles of its long sides' edges. A tile's corner cell at which an
-/// edge of a side is longer than it is cut by a seam from the tile's corner to the cell's own; what lies on either side of
-/// the seam is joined as a rectangle one step wide. (Fowler et al., section 4.3, stitch tiles in this way.)
+/// edge of a side is longer than it is cut by a seam from the tile's corner to the cell's own; what lies on either side
+/// of the seam is joined as a rectangle one step wide. (Fowler et al., section 4.3, stitch tiles in this way.)
 class ScalarPieceWalk {
  public:
   /// The shape must not change meanwhile.
@@ -69,7 +69,7 @@ class ScalarPieceWalk {
   static void join(const Places& first, const Places& second, bool horizontal, ScalarPieces& out);
 
   const ScalarShape* shape_;
-  GridBlock block_;  // the one that is visited
+  GridBlock block_;             // the one that is visited
   std::array<bool, 4> seam_{};  // at the corner where a side ends clockwise: of the north side, north-east
   bool sound_ = true;
   std::array<Places, 4> edges_;

@@ -22,8 +22,7 @@ using codec::ScalarShape;
 /// Splits blocks until all fit; what a walk over pieces finds that do not fit is its `fits_`.
 class BlockSearch final : public codec::ScalarPieces {
  public:
-  BlockSearch(SurfaceView& view, ScalarSpec spec)
-      : spec_(std::move(spec)), distance_(view, spec_.column0, spec_.row0) {
+  BlockSearch(SurfaceView& view, ScalarSpec spec) : spec_(std::move(spec)), distance_(view, spec_.column0, spec_.row0) {
     std::int32_t stride = static_cast<std::int32_t>(spec_.level.cells / 2);
     while (stride > 1 && stride >= std::min(spec_.width(), spec_.height())) stride /= 2;
     shape_.sides = spec_.sides;

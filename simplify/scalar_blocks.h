@@ -15,8 +15,8 @@ struct ScalarSpec {
   LevelGrid level;
   std::int64_t column0 = 0;  ///< Of its north-west sample.
   std::int64_t row0 = 0;
-  double bound_m = 0;             ///< What the test allows at strides above 1: guard taken off, and what is kept for later.
-  std::int64_t height_step = 1;   ///< Heights inside the tile are multiples of so many height steps.
+  double bound_m = 0;  ///< What the test allows at strides above 1: guard taken off, and what is kept for later.
+  std::int64_t height_step = 1;  ///< Heights inside the tile are multiples of so many height steps.
   /// border_places() of its sides.
   std::array<std::vector<std::int32_t>, 4> sides;
 
@@ -30,10 +30,10 @@ struct ScalarSpec {
   }
 };
 
-/// The coarsest blocks that keep the bound, as far as splitting from the widest on finds them; a block of a stride above
-/// 1 in which a sample is missing is split, and empty where all are. At stride 1 all heights keep the bound that are
-/// within kRowShare of it. To be thrown away when the view is interrupted afterwards. Memory: 4 bytes a block; cost:
-/// that of SurfaceDistance, twice or three times.
+/// The coarsest blocks that keep the bound, as far as splitting from the widest on finds them; a block of a stride
+/// above 1 in which a sample is missing is split, and empty where all are. At stride 1 all heights keep the bound that
+/// are within kRowShare of it. To be thrown away when the view is interrupted afterwards. Memory: 4 bytes a block;
+/// cost: that of SurfaceDistance, twice or three times.
 codec::ScalarShape choose_blocks(SurfaceView& view, ScalarSpec spec);
 
 }  // namespace tintree::simplify

@@ -12,7 +12,8 @@ namespace tintree::simplify {
 
 /// Method `scalar` (Fowler et al.): a tile is a quadtree of regular grids, each over every 2^n-th sample, whose heights
 /// are quantised, stitched to each other and to vertices at border_places() of the sides. Each grid is the
-/// coarsest that keeps the bound. Samples are missing in grids over every sample alone. Memory: about 120 bytes a vertex.
+/// coarsest that keeps the bound. Samples are missing in grids over every sample alone. Memory: about 120 bytes a
+/// vertex.
 class ScalarMaker final : public TileMaker {
  public:
   ScalarMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, codec::QuantizerKind quantizer,

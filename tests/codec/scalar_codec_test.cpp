@@ -115,7 +115,9 @@ ScalarTile random_tile(std::mt19937& random) {
     halve(random, 0, 64, shape.length(side), 1 + static_cast<unsigned>(random() % 3), places);
   }
   for (auto splits = random() % 8; splits > 0; --splits) {
-    const auto below = [&](std::int32_t end) { return static_cast<std::int32_t>(random() % static_cast<unsigned>(end)); };
+    const auto below = [&](std::int32_t end) {
+      return static_cast<std::int32_t>(random() % static_cast<unsigned>(end));
+    };
     const GridBlock block = shape.blocks.at(below(width), below(height));
     if (block.stride > 1) shape.blocks.split(block.node);
   }
@@ -339,8 +341,8 @@ TEST(ScalarCodec, DequantizationIsOneMatrix) {
     const GridFrame frame(layout, {1, 1, 1}, mesh);
     const auto m = frame.matrix(eye);
     for (const GridVertex& v : mesh.vertices) {
-      const GridBlock block = tile.shape.blocks.at(std::min(v.x, tile.shape.width() - 1),
-                                                   std::min(v.y, tile.shape.height() - 1));
+      const GridBlock block =
+          tile.shape.blocks.at(std::min(v.x, tile.shape.width() - 1), std::min(v.y, tile.shape.height() - 1));
       if ((v.x - block.x) % block.stride != 0 || (v.y - block.y) % block.stride != 0) continue;
       const auto q = inverse_quantization(block, step, offset);
       const std::array<std::int32_t, 4> index{(v.x - block.x) / block.stride, (v.y - block.y) / block.stride,
