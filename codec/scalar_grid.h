@@ -25,7 +25,7 @@ struct ScalarGrid {
 /// Cells of blocks that are not empty; inside the tile there are about as many vertices.
 std::int64_t cell_count(const ScalarShape& shape);
 
-/// Nothing when the shape is not sound (ScalarPieceWalk::sound()) or takes more than kMaxGridVertices. Cost: about 0.1
+/// Nothing when the shape is not sound (ScalarPieceWalk::sound()) or takes more than kMaxGridVertices. Cost: about 0.2
 /// microseconds and 70 bytes a vertex.
 std::optional<ScalarGrid> make_scalar_grid(const ScalarShape& shape);
 
