@@ -13,10 +13,10 @@
 namespace tintree::codec {
 namespace {
 
-constexpr auto kPayloadVersion = std::byte{1};
+constexpr auto kPayloadVersion = std::byte{2};
 constexpr auto kWhole = std::byte{0};
 constexpr auto kHoled = std::byte{1};
-constexpr std::uint64_t kMostSteps = std::uint64_t{1} << 29;
+constexpr std::uint64_t kMostSteps = std::uint64_t{1} << 28;
 
 /// A side's vertices as a binary tree over the least power of two that reaches its end: bit 1 halves a piece. What
 /// lies beyond the end is cut off.
@@ -88,24 +88,11 @@ bool take_missing(std::span<const std::byte>& bytes, std::vector<bool>& missing)
   return true;
 }
 
-/// Along a longer edge of a side all vertices of the line next to it have to be there, and its ends.
-bool long_edges_whole(const ScalarTile& tile) {
-  const ScalarGrid& g = tile.grid;
-  std::vector<Triangle> strip = g.strip();
-  const std::vector<GridVertex> places = g.places();
-  return std::ranges::none_of(strip, [&](const Triangle& t) {
-    if (!tile.is_missing(t[0]) && !tile.is_missing(t[1]) && !tile.is_missing(t[2])) return false;
-    const auto [x0, x1] = std::minmax({places[t[0]].x, places[t[1]].x, places[t[2]].x});
-    const auto [y0, y1] = std::minmax({places[t[0]].y, places[t[1]].y, places[t[2]].y});
-    return x1 - x0 > 1 || y1 - y0 > 1;
-  });
-}
-
 Error damaged() { return {ErrorCode::kBadData, "the payload is no grid of heights", {}}; }
 
-bool take_border(std::span<const std::byte>& bytes, ScalarTile& tile) {
+bool take_border(std::span<const std::byte>& bytes, std::size_t border_count, ScalarTile& tile) {
   std::int64_t height = 0;
-  for (std::size_t i = 0; i < tile.grid.border_count(); ++i) {
+  for (std::size_t i = 0; i < border_count; ++i) {
     if (tile.is_missing(i)) continue;
     std::int64_t step = 0;
     if (!take_signed_varint(bytes, step) || step < -kMaxHeightAddress || step > kMaxHeightAddress) return false;
@@ -118,72 +105,121 @@ bool take_border(std::span<const std::byte>& bytes, ScalarTile& tile) {
 
 /// The heights of the inner vertices that are there go through `visit(height)`, in their order.
 template <typename Visit>
-void for_each_inner(ScalarTile& tile, const Visit& visit) {
-  for (std::size_t i = tile.grid.border_count(); i < tile.z.size(); ++i) {
+void for_each_inner(std::size_t border_count, ScalarTile& tile, const Visit& visit) {
+  for (std::size_t i = border_count; i < tile.z.size(); ++i) {
     if (!tile.is_missing(i)) visit(tile.z[i]);
   }
 }
 
-bool take_inner(std::span<const std::byte> bytes, ScalarTile& tile) {
+bool take_inner(std::span<const std::byte> bytes, std::size_t border_count, ScalarTile& tile) {
   std::size_t count = 0;
-  for_each_inner(tile, [&](std::int32_t) { ++count; });
+  for_each_inner(border_count, tile, [&](std::int32_t) { ++count; });
   std::vector<std::int32_t> heights(count);
   if (!take_quantized(bytes, heights)) return false;
   std::size_t next = 0;
-  for_each_inner(tile, [&](std::int32_t& z) { z = heights[next++]; });
+  for_each_inner(border_count, tile, [&](std::int32_t& z) { z = heights[next++]; });
   return true;
 }
 
-bool take_grid(std::span<const std::byte>& bytes, ScalarGrid& grid) {
+/// A bit says whether a block is split, if it can be, and with holes another one whether one that is not is empty.
+void put_blocks(BitWriter& bits, const BlockTree& blocks, bool holed) {
+  blocks.walk(
+      [&](const GridBlock& block) {
+        const bool split = blocks.is_split(block.node);
+        if (block.stride > 1) bits.put(split ? 1 : 0, 1);
+        return split;
+      },
+      [&](const GridBlock& block) {
+        if (holed) bits.put(block.empty ? 1 : 0, 1);
+      });
+}
+
+bool take_blocks(BitReader& bits, BlockTree& blocks, bool holed) {
+  blocks.walk(
+      [&](const GridBlock& block) {
+        const bool split = block.stride > 1 && bits.take(1) != 0 && bits.ok();
+        if (split) blocks.split(block.node);
+        return split;
+      },
+      [&](const GridBlock& block) {
+        if (holed && bits.take(1) != 0) blocks.set_empty(block.node);
+      });
+  return bits.ok();
+}
+
+/// Cells with a vertex inside the tile at their north-western corner.
+std::uint64_t inner_cells(const BlockTree& blocks) {
+  std::uint64_t count = 0;
+  blocks.for_each([&](const GridBlock& block) {
+    const auto along = [&](std::int32_t from, std::int32_t length) {
+      const std::int64_t cells = (std::int64_t{length} - from + block.stride - 1) / block.stride;
+      return static_cast<std::uint64_t>(std::min<std::int64_t>(kBlockCells, cells) - (from == 0 ? 1 : 0));
+    };
+    count += along(block.x, blocks.width()) * along(block.y, blocks.height());
+  });
+  return count;
+}
+
+bool take_shape(std::span<const std::byte>& bytes, bool holed, ScalarShape& shape) {
+  const std::uint64_t bits_left = 8 * std::uint64_t{bytes.size()};
   std::uint64_t width = 0;
   std::uint64_t height = 0;
   std::uint64_t stride = 0;
   if (!take_varint(bytes, width) || !take_varint(bytes, height) || !take_varint(bytes, stride)) return false;
   const auto is_size = [](std::uint64_t v) { return v >= 1 && v <= kMostSteps; };
-  if (!is_size(width) || !is_size(height) || !is_size(stride)) return false;
-  if (stride > 1 && (stride >= width || stride >= height)) return false;
-  grid.width = static_cast<std::int32_t>(width);
-  grid.height = static_cast<std::int32_t>(height);
-  grid.stride = static_cast<std::int32_t>(stride);
-  // Each inner vertex has a bit at least, or a bit in the list of the missing ones' runs.
-  if (grid.columns() > kMaxGridVertices || grid.columns() * grid.rows() > kMaxGridVertices) return false;
+  if (!is_size(width) || !is_size(height) || !is_size(stride) || !std::has_single_bit(stride)) return false;
+  const auto w = static_cast<std::int32_t>(width);
+  const auto h = static_cast<std::int32_t>(height);
+  const auto s = static_cast<std::int32_t>(stride);
+  // A block takes a bit, or has a vertex of its own, which does.
+  const auto roots = static_cast<std::uint64_t>(BlockTree::roots_along(w, s)) *
+                     static_cast<std::uint64_t>(BlockTree::roots_along(h, s));
+  if (roots > bits_left) return false;
+  shape.blocks = BlockTree(w, h, s);
   BitReader bits(bytes);
   for (int side = 0; side < 4; ++side) {
-    if (!SidePlaces::take(bits, grid.length(side), grid.sides[static_cast<std::size_t>(side)])) return false;
+    if (!SidePlaces::take(bits, shape.length(side), shape.sides[static_cast<std::size_t>(side)])) return false;
   }
+  if (!take_blocks(bits, shape.blocks, holed)) return false;
   bytes = bits.rest();
-  return grid.is_sound();
+  return holed || inner_cells(shape.blocks) <= bits_left;
 }
 
 }  // namespace
 
 Expected<std::vector<std::byte>> ScalarCodec::encode(const TileMesh& mesh) const {
-  auto tile = find_scalar_tile(mesh);
-  if (!tile) return fail(ErrorCode::kBadData, "the mesh is no grid of method scalar");
-  const ScalarGrid& grid = tile->grid;
-  const bool holed = !tile->missing.empty();
+  auto found = find_scalar_tile(mesh);
+  if (!found) return fail(ErrorCode::kBadData, "the mesh is no grid of method scalar");
+  ScalarTile& tile = found->tile;
+  const ScalarShape& shape = tile.shape;
+  const std::size_t border_count = found->grid.border_count;
+  bool holed = !tile.missing.empty();
+  shape.blocks.for_each([&](const GridBlock& block) { holed = holed || block.empty; });
   std::vector<std::byte> out{kPayloadVersion, static_cast<std::byte>(static_cast<std::int8_t>(mesh.xy_shift)),
                              holed ? kHoled : kWhole};
   put_signed_varint(out, mesh.z_offset);
-  put_varint(out, static_cast<std::uint64_t>(grid.width));
-  put_varint(out, static_cast<std::uint64_t>(grid.height));
-  put_varint(out, static_cast<std::uint64_t>(grid.stride));
+  put_varint(out, static_cast<std::uint64_t>(shape.width()));
+  put_varint(out, static_cast<std::uint64_t>(shape.height()));
+  put_varint(out, static_cast<std::uint64_t>(shape.blocks.stride()));
   BitWriter bits(out);
-  for (const auto& places : grid.sides) {
+  for (const auto& places : shape.sides) {
     if (!SidePlaces::put(bits, places))
       return fail(ErrorCode::kBadData, "a side's vertices are not where halving puts them");
   }
+  put_blocks(bits, shape.blocks, holed);
   bits.finish();
-  if (holed) put_missing(out, tile->missing);
+  if (holed) {
+    tile.missing.resize(tile.z.size());
+    put_missing(out, tile.missing);
+  }
   std::int32_t last = 0;
-  for (std::size_t i = 0; i < grid.border_count(); ++i) {
-    if (tile->is_missing(i)) continue;
-    put_signed_varint(out, tile->z[i] - last);
-    last = tile->z[i];
+  for (std::size_t i = 0; i < border_count; ++i) {
+    if (tile.is_missing(i)) continue;
+    put_signed_varint(out, tile.z[i] - last);
+    last = tile.z[i];
   }
   std::vector<std::int32_t> heights;
-  heights.reserve(grid.inner_count());
-  for_each_inner(*tile, [&](std::int32_t z) { heights.push_back(z); });
+  for_each_inner(border_count, tile, [&](std::int32_t z) { heights.push_back(z); });
   put_quantized(out, heights);
   return out;
 }
@@ -195,18 +231,19 @@ Expected<TileMesh> ScalarCodec::decode(std::span<const std::byte> bytes) const {
   tile.xy_shift = static_cast<std::int8_t>(bytes[1]);
   const std::byte form = bytes[2];
   bytes = bytes.subspan(3);
-  if (form != kWhole && form != kHoled) return tl::unexpected(damaged());
-  if (!take_signed_varint(bytes, tile.z_offset) || !take_grid(bytes, tile.grid)) return tl::unexpected(damaged());
-  if (form == kHoled) {
-    tile.missing.assign(tile.grid.vertex_count(), false);
-    if (tile.grid.stride != 1 || !take_missing(bytes, tile.missing) || !long_edges_whole(tile))
-      return tl::unexpected(damaged());
-  } else if (tile.grid.inner_count() / 8 > bytes.size()) {
+  const bool holed = form == kHoled;
+  if ((!holed && form != kWhole) || !take_signed_varint(bytes, tile.z_offset) || !take_shape(bytes, holed, tile.shape))
     return tl::unexpected(damaged());
+  auto grid = make_scalar_grid(tile.shape);
+  if (!grid) return tl::unexpected(damaged());
+  if (holed) {
+    tile.missing.assign(grid->places.size(), false);
+    if (!take_missing(bytes, tile.missing)) return tl::unexpected(damaged());
   }
-  tile.z.assign(tile.grid.vertex_count(), 0);
-  if (!take_border(bytes, tile) || !take_inner(bytes, tile)) return tl::unexpected(damaged());
-  return tile.mesh();
+  tile.z.assign(grid->places.size(), 0);
+  if (!take_border(bytes, grid->border_count, tile) || !take_inner(bytes, grid->border_count, tile))
+    return tl::unexpected(damaged());
+  return tile.mesh(std::move(*grid));
 }
 
 }  // namespace tintree::codec

@@ -4,293 +4,153 @@
 #include <cstddef>
 #include <utility>
 
+#include "codec/place_numbers.h"
+#include "codec/scalar_pieces.h"
+#include "codec/split_fans.h"
+
 namespace tintree::codec {
 namespace {
 
-/// Names the vertices of a grid by their place.
-class Numbering {
+/// Numbers vertices as pieces come to them.
+class GridPieces final : public ScalarPieces {
  public:
-  explicit Numbering(const ScalarGrid& grid) : grid_(&grid) {
-    std::size_t next = 0;
-    for (std::size_t side = 0; side < 4; ++side) {
-      first_[side] = next;
-      const std::size_t count = grid.sides[side].size();
-      next += side == ScalarGrid::kNorth ? count : side == ScalarGrid::kWest ? count - 2 : count - 1;
-    }
-    inner_ = next;
+  GridPieces(const ScalarShape& shape, ScalarGrid& grid) : grid_(&grid) {
+    const auto& sides = shape.sides;
+    const auto add = [&](std::int32_t x, std::int32_t y) { static_cast<void>(number({x, y})); };
+    for (const std::int32_t at : sides[ScalarShape::kNorth]) add(at, 0);
+    for (const std::int32_t at : sides[ScalarShape::kEast]) add(shape.width(), at);
+    for (const std::int32_t at : sides[ScalarShape::kSouth]) add(at, shape.height());
+    for (const std::int32_t at : sides[ScalarShape::kWest]) add(0, at);
+    grid.border_count = grid.places.size();
   }
 
-  std::size_t border_count() const { return inner_; }
-  std::uint32_t inner(std::int64_t column, std::int64_t row) const {
-    return static_cast<std::uint32_t>(inner_ + static_cast<std::size_t>(row * grid_->columns() + column));
+  void cell(const GridPlace& nw, const GridPlace& se) override {
+    const std::uint32_t a = number(nw);
+    const std::uint32_t d = number(se);
+    grid_->triangles.push_back({a, d, number({se.x, nw.y})});
+    grid_->triangles.push_back({a, number({nw.x, se.y}), d});
   }
-  /// Vertex k of a side.
-  std::uint32_t border(int side, std::size_t k) const {
-    const bool last = k + 1 == grid_->sides[static_cast<std::size_t>(side)].size();
-    switch (side) {
-      case ScalarGrid::kEast:
-        return k == 0 ? number(ScalarGrid::kNorth, grid_->sides[ScalarGrid::kNorth].size() - 1) : number(side, k - 1);
-      case ScalarGrid::kSouth:
-        return last ? number(ScalarGrid::kEast, grid_->sides[ScalarGrid::kEast].size() - 2) : number(side, k);
-      case ScalarGrid::kWest:
-        return k == 0 ? 0 : last ? number(ScalarGrid::kSouth, 0) : number(side, k - 1);
-      default:
-        return number(side, k);
+  void fan(const GridPlace& hub, std::span<const GridPlace> around) override {
+    const std::uint32_t middle = number(hub);
+    const std::uint32_t first = number(around.front());
+    std::uint32_t last = first;
+    for (std::size_t k = 1; k < around.size(); ++k) {
+      const std::uint32_t next = number(around[k]);
+      grid_->triangles.push_back({middle, last, next});
+      last = next;
     }
+    grid_->triangles.push_back({middle, last, first});
+  }
+  void triangle(const GridPlace& a, const GridPlace& b, const GridPlace& c) override {
+    const std::uint32_t i = number(a);
+    const std::uint32_t j = number(b);
+    grid_->triangles.push_back({i, j, number(c)});
   }
 
  private:
-  std::uint32_t number(int side, std::size_t k) const {
-    return static_cast<std::uint32_t>(first_[static_cast<std::size_t>(side)] + k);
+  std::uint32_t number(const GridPlace& p) {
+    const auto [number, added] = numbers_.add(p.x, p.y);
+    if (added) grid_->places.push_back({p.x, p.y, 0});
+    return number;
   }
 
-  const ScalarGrid* grid_;
-  std::array<std::size_t, 4> first_{};
-  std::size_t inner_ = 0;
+  ScalarGrid* grid_;
+  PlaceNumbers numbers_;
 };
 
-/// Puts the strip's triangles together.
-class Strip {
- public:
-  explicit Strip(const ScalarGrid& grid)
-      : grid_(&grid), numbers_(grid), last_column_(grid.columns() - 1), last_row_(grid.rows() - 1) {}
-
-  std::vector<Triangle> make() {
-    if (grid_->inner_count() == 0) {
-      cut_cells();
-      return std::move(out_);
-    }
-    for (int side = 0; side < 4; ++side) {
-      // The corner cells that the surface's diagonal does not cut towards their corner are two sides' at once.
-      const auto counts = trimmed(side);
-      run(side, counts[0], counts[1]);
-    }
-    if (own_diagonal(ScalarGrid::kNorth)) {
-      const std::uint32_t nw = numbers_.border(ScalarGrid::kNorth, size(ScalarGrid::kNorth) - 2);
-      const std::uint32_t se = numbers_.border(ScalarGrid::kEast, 1);
-      out_.push_back({nw, se, numbers_.border(ScalarGrid::kEast, 0)});
-      out_.push_back({nw, numbers_.inner(last_column_, 0), se});
-    }
-    if (own_diagonal(ScalarGrid::kWest)) {
-      const std::uint32_t nw = numbers_.border(ScalarGrid::kWest, size(ScalarGrid::kWest) - 2);
-      const std::uint32_t se = numbers_.border(ScalarGrid::kSouth, 1);
-      out_.push_back({nw, numbers_.border(ScalarGrid::kSouth, 0), se});
-      out_.push_back({nw, se, numbers_.inner(0, last_row_)});
-    }
-    return std::move(out_);
-  }
-
- private:
-  std::size_t size(int side) const { return places(side).size(); }
-  const std::vector<std::int32_t>& places(int side) const { return grid_->sides[static_cast<std::size_t>(side)]; }
-  bool horizontal(int side) const { return side == ScalarGrid::kNorth || side == ScalarGrid::kSouth; }
-  std::int64_t inner_last(int side) const { return horizontal(side) ? last_column_ : last_row_; }
-  /// Place along the side of vertex k of the grid's line next to it.
-  std::int64_t inner_place(std::int64_t k) const { return (k + 1) * grid_->stride; }
-  std::uint32_t inner(int side, std::int64_t k) const {
-    switch (side) {
-      case ScalarGrid::kNorth:
-        return numbers_.inner(k, 0);
-      case ScalarGrid::kSouth:
-        return numbers_.inner(k, last_row_);
-      case ScalarGrid::kWest:
-        return numbers_.inner(0, k);
-      default:
-        return numbers_.inner(last_column_, k);
-    }
-  }
-
-  /// Whether the north-east (of the north side) or south-west (of the west side) corner cell has just its corners.
-  bool own_diagonal(int side) const {
-    const std::vector<std::int32_t>& ends = places(side);
-    const std::vector<std::int32_t>& begins =
-        places(side == ScalarGrid::kNorth ? ScalarGrid::kEast : ScalarGrid::kSouth);
-    return ends[ends.size() - 2] == inner_place(inner_last(side)) && begins[1] == grid_->stride;
-  }
-
-  /// First and last vertex of the side that its own run of triangles reaches.
-  std::array<std::size_t, 2> trimmed(int side) const {
-    const bool begins = (side == ScalarGrid::kEast && own_diagonal(ScalarGrid::kNorth)) ||
-                        (side == ScalarGrid::kSouth && own_diagonal(ScalarGrid::kWest));
-    const bool ends = (side == ScalarGrid::kNorth || side == ScalarGrid::kWest) && own_diagonal(side);
-    return {begins ? 1U : 0U, size(side) - (ends ? 2 : 1)};
-  }
-
-  void run(int side, std::size_t outer, std::size_t outer_last) {
-    const std::vector<std::int32_t>& line = places(side);
-    // Between two edges alike, the surface's diagonal goes from the one that lies west or north.
-    const bool inner_first = side == ScalarGrid::kNorth || side == ScalarGrid::kWest;
-    std::int64_t k = 0;
-    const std::int64_t last = inner_last(side);
-    while (outer < outer_last || k < last) {
-      bool move_inner = outer == outer_last;
-      if (!move_inner && k < last) {
-        const std::int64_t inner_middle = inner_place(k) + inner_place(k + 1);
-        const std::int64_t outer_middle = std::int64_t{line[outer]} + line[outer + 1];
-        move_inner = inner_middle < outer_middle || (inner_middle == outer_middle && inner_first);
-      }
-      const std::uint32_t a = numbers_.border(side, outer);
-      const std::uint32_t b = inner(side, k);
-      const std::uint32_t c = move_inner ? inner(side, k + 1) : numbers_.border(side, outer + 1);
-      // Rising places turn counter-clockwise along the north and east sides.
-      const bool rising = side == ScalarGrid::kNorth || side == ScalarGrid::kEast;
-      out_.push_back(rising ? Triangle{a, b, c} : Triangle{a, c, b});
-      if (move_inner)
-        ++k;
-      else
-        ++outer;
-    }
-  }
-
-  /// A tile one step wide or high: every vertex lies on a side.
-  void cut_cells() {
-    const bool wide = grid_->height == 1;
-    const int first = wide ? ScalarGrid::kNorth : ScalarGrid::kWest;
-    const int second = wide ? ScalarGrid::kSouth : ScalarGrid::kEast;
-    const std::size_t cells = std::min(size(first), size(second)) - 1;
-    for (std::size_t k = 0; k < cells; ++k) {
-      const std::uint32_t nw = numbers_.border(first, k);
-      const std::uint32_t se = numbers_.border(second, k + 1);
-      const std::uint32_t ne = wide ? numbers_.border(first, k + 1) : numbers_.border(second, k);
-      const std::uint32_t sw = wide ? numbers_.border(second, k) : numbers_.border(first, k + 1);
-      out_.push_back({nw, se, ne});
-      out_.push_back({nw, sw, se});
-    }
-  }
-
-  const ScalarGrid* grid_;
-  Numbering numbers_;
-  std::int64_t last_column_;
-  std::int64_t last_row_;
-  std::vector<Triangle> out_;
-};
-
-}  // namespace
-
-std::size_t ScalarGrid::border_count() const { return Numbering(*this).border_count(); }
-
-std::vector<GridVertex> ScalarGrid::places() const {
-  std::vector<GridVertex> out;
-  out.reserve(vertex_count());
-  for (const std::int32_t at : sides[kNorth]) out.push_back({at, 0, 0});
-  for (std::size_t k = 1; k < sides[kEast].size(); ++k) out.push_back({width, sides[kEast][k], 0});
-  for (std::size_t k = 0; k + 1 < sides[kSouth].size(); ++k) out.push_back({sides[kSouth][k], height, 0});
-  for (std::size_t k = 1; k + 1 < sides[kWest].size(); ++k) out.push_back({0, sides[kWest][k], 0});
-  for (std::int64_t row = 1; row <= rows(); ++row) {
-    for (std::int64_t column = 1; column <= columns(); ++column) {
-      out.push_back({static_cast<std::int32_t>(column * stride), static_cast<std::int32_t>(row * stride), 0});
-    }
-  }
-  return out;
-}
-
-std::vector<Triangle> ScalarGrid::strip() const { return Strip(*this).make(); }
-
-std::vector<Triangle> ScalarGrid::triangles() const {
-  std::vector<Triangle> out = strip();
-  const Numbering numbers(*this);
-  for (std::int64_t row = 0; row + 1 < rows(); ++row) {
-    for (std::int64_t column = 0; column + 1 < columns(); ++column) {
-      const std::uint32_t nw = numbers.inner(column, row);
-      const std::uint32_t sw = numbers.inner(column, row + 1);
-      out.push_back({nw, sw + 1, nw + 1});
-      out.push_back({nw, sw, sw + 1});
-    }
-  }
-  return out;
-}
-
-namespace {
-
-/// A triangle at one of its corners.
-struct Wedge {
-  std::uint32_t vertex;
-  std::uint32_t from;  ///< The next corner,
-  std::uint32_t to;    ///< and the one after it.
-  std::size_t triangle;
-  std::size_t corner;
-};
-
-/// Takes the fan that begins with one of the wedges out of the list.
-std::vector<Wedge> take_fan(std::vector<Wedge>& wedges) {
-  const auto begins = [&](const Wedge& w) {
-    return std::ranges::none_of(wedges, [&](const Wedge& other) { return other.to == w.from; });
-  };
-  auto next = std::ranges::find_if(wedges, begins);
-  if (next == wedges.end()) next = wedges.begin();  // all round
-  std::vector<Wedge> fan;
-  while (next != wedges.end()) {
-    fan.push_back(*next);
-    wedges.erase(next);
-    next = std::ranges::find(wedges, fan.back().to, &Wedge::from);
-  }
-  return fan;
-}
-
-/// Where triangles meet in a vertex alone each fan of them gets a vertex of its own. `pinched`: vertices that may be
-/// such.
-void split_fans(TileMesh& mesh, const std::vector<bool>& pinched) {
-  std::vector<Wedge> wedges;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Triangle& t = mesh.triangles[i];
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (pinched[t[k]]) wedges.push_back({t[k], t[(k + 1) % 3], t[(k + 2) % 3], i, k});
-    }
-  }
-  std::ranges::stable_sort(wedges, {}, &Wedge::vertex);
-  std::vector<Wedge> around;
-  for (auto first = wedges.begin(); first != wedges.end();) {
-    const auto last =
-        std::ranges::find_if(first, wedges.end(), [v = first->vertex](const Wedge& w) { return w.vertex != v; });
-    around.assign(first, last);
-    static_cast<void>(take_fan(around));
-    while (!around.empty()) {
-      const auto copy = static_cast<std::uint32_t>(mesh.vertices.size());
-      mesh.vertices.push_back(mesh.vertices[first->vertex]);
-      for (const Wedge& w : take_fan(around)) mesh.triangles[w.triangle][w.corner] = copy;
-    }
-    first = last;
-  }
+/// Whether two meshes are the same but for the shape.
+bool same(const TileMesh& a, const TileMesh& b) {
+  return a.xy_shift == b.xy_shift && a.z_offset == b.z_offset && a.vertices == b.vertices && a.triangles == b.triangles;
 }
 
 }  // namespace
 
-TileMesh ScalarTile::mesh() const {
+std::int64_t cell_count(const ScalarShape& shape) {
+  std::int64_t count = 0;
+  shape.blocks.for_each([&](const GridBlock& block) {
+    const auto along = [&](std::int32_t from, std::int32_t length) {
+      return std::min<std::int64_t>(kBlockCells, (std::int64_t{length} - from + block.stride - 1) / block.stride);
+    };
+    if (!block.empty) count += along(block.x, shape.width()) * along(block.y, shape.height());
+  });
+  return count;
+}
+
+std::optional<ScalarGrid> make_scalar_grid(const ScalarShape& shape) {
+  if (cell_count(shape) > kMaxGridVertices) return std::nullopt;
+  std::optional<ScalarGrid> grid(std::in_place);
+  GridPieces pieces(shape, *grid);
+  ScalarPieceWalk walk(shape);
+  shape.blocks.for_each([&](const GridBlock& block) {
+    if (!block.empty && walk.sound()) walk.visit(block, pieces);
+  });
+  if (!walk.sound()) grid.reset();
+  return grid;
+}
+
+TileMesh ScalarTile::mesh(ScalarGrid grid) const {
   TileMesh out;
   out.xy_shift = xy_shift;
   out.z_offset = z_offset;
-  out.triangles = grid.triangles();
-  out.vertices = grid.places();
+  out.scalar_shape = shape;
+  out.triangles = std::move(grid.triangles);
+  out.vertices = std::move(grid.places);
   for (std::size_t i = 0; i < z.size(); ++i) out.vertices[i].z = z[i];
-  if (missing.empty()) return out;
-  std::vector<bool> at_hole(z.size(), false);
-  std::erase_if(out.triangles, [&](const Triangle& t) {
-    if (!missing[t[0]] && !missing[t[1]] && !missing[t[2]]) return false;
-    for (const std::uint32_t i : t) at_hole[i] = true;
-    return true;
-  });
+  std::erase_if(out.triangles,
+                [&](const Triangle& t) { return is_missing(t[0]) || is_missing(t[1]) || is_missing(t[2]); });
   std::vector<bool> used(z.size(), false);
   for (const Triangle& t : out.triangles) {
     for (const std::uint32_t i : t) used[i] = true;
   }
+  if (std::ranges::find(used, false) == used.end()) return out;
   std::vector<std::uint32_t> number(z.size(), 0);
-  std::vector<bool> pinched;
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < z.size(); ++i) {
     if (!used[i]) continue;
     out.vertices[count] = out.vertices[i];
-    pinched.push_back(at_hole[i]);
     number[i] = count++;
   }
   out.vertices.resize(count);
   for (Triangle& t : out.triangles) t = {number[t[0]], number[t[1]], number[t[2]]};
-  split_fans(out, pinched);
+  split_fans(out);
   return out;
 }
 
-std::array<double, 16> inverse_quantization(std::int32_t stride, std::int32_t step, std::int32_t offset) {
-  const auto s = static_cast<double>(stride);
-  return {s, 0, 0, 0, 0, s, 0, 0, 0, 0, static_cast<double>(step), 0, s, s, static_cast<double>(offset), 1};
+std::optional<FoundScalarTile> find_scalar_tile(const TileMesh& mesh) {
+  if (!mesh.scalar_shape) return std::nullopt;
+  auto grid = make_scalar_grid(*mesh.scalar_shape);
+  if (!grid) return std::nullopt;
+  ScalarTile tile{*mesh.scalar_shape, mesh.xy_shift, mesh.z_offset, {}, {}};
+  std::size_t next = 0;
+  for (const GridVertex& place : grid->places) {
+    const bool there =
+        next < mesh.vertices.size() && mesh.vertices[next].x == place.x && mesh.vertices[next].y == place.y;
+    tile.missing.push_back(!there);
+    tile.z.push_back(there ? mesh.vertices[next++].z : 0);
+  }
+  if (std::ranges::find(tile.missing, true) == tile.missing.end()) tile.missing.clear();
+  if (!same(tile.mesh(*grid), mesh)) return std::nullopt;
+  return FoundScalarTile{std::move(tile), std::move(*grid)};
+}
+
+std::array<double, 16> inverse_quantization(const GridBlock& block, std::int32_t step, std::int32_t offset) {
+  const auto s = static_cast<double>(block.stride);
+  return {s,
+          0,
+          0,
+          0,
+          0,
+          s,
+          0,
+          0,
+          0,
+          0,
+          static_cast<double>(step),
+          0,
+          static_cast<double>(block.x),
+          static_cast<double>(block.y),
+          static_cast<double>(offset),
+          1};
 }
 
 }  // namespace tintree::codec

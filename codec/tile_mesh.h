@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "codec/error.h"
+#include "codec/scalar_shape.h"
 
 namespace tintree::codec {
 
@@ -41,6 +43,8 @@ struct TileMesh {
   /// for those at the end that repeat others (split_fans()), nothing.
   std::vector<std::uint8_t> nested_levels{};
   std::vector<NestedGap> nested_gaps{};
+  /// Method `scalar` alone: what grids the vertices belong to.
+  std::optional<ScalarShape> scalar_shape{};
 };
 
 /// Limits of the format; readers refuse what exceeds them before they allocate for it.

@@ -18,7 +18,7 @@ inline constexpr double kRowShare = 0.9;
 /// function of the samples on the side and in the row on either side of it, so both tiles at it get the same.
 ///
 /// A piece holds if its edge, between heights on the level's lattice, keeps half the bound along the side, and if on
-/// both sides of it the strip between it and the next row of samples (ScalarGrid's, at stride 1) keeps the bound
+/// both sides of it the strip between it and the next row of samples (ScalarPieceWalk's, at stride 1) keeps the bound
 /// whatever heights within kRowShare of the bound that row has. So a grid of every sample fits to it. Pieces of one
 /// cell always hold; longer ones do not where a sample of the three rows is missing or the next row is itself a side,
 /// and span an eighth of the side at most. Ends early, with pieces of one cell, once the view is interrupted.

@@ -1,7 +1,6 @@
 #include "simplify/scalar_maker.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -10,16 +9,36 @@
 #include <fmt/format.h>
 
 #include "simplify/border_places.h"
-#include "simplify/spoke_distance.h"
+#include "simplify/surface_distance.h"
 
 namespace tintree::simplify {
 namespace {
 
-/// Height steps between the levels of a uniform quantiser at most: half of that is under the bound, which is four
-/// steps, and under kRowShare of it.
+/// Height steps between the levels of a uniform quantiser: what takes the fewest bytes where grids adapt to the ground.
+constexpr std::int64_t kStep = 3;
+/// The same at most: half of that is under the bound, which is four steps, and under kRowShare of it. Fewer bits a
+/// height, but more vertices.
 constexpr std::int64_t kCoarsestStep = 7;
+/// Where there are more cells, of the tile's, at the former the latter is worth a try.
+constexpr double kDenseShare = 0.2;
+/// What the least mean square's quantiser may move heights by, of the bound.
+constexpr double kLloydMaxShare = 0.5;
 /// Enough for a quantiser of which the bound asks more than the least mean square.
 constexpr int kLloydMaxIterations = 50;
+
+/// On the coarsest address grid that holds it.
+void coarsen(codec::ScalarTile& tile, codec::ScalarGrid& grid) {
+  codec::BlockTree& blocks = tile.shape.blocks;
+  auto bits = static_cast<std::uint32_t>(blocks.width() | blocks.height());
+  for (const codec::GridVertex& place : grid.places) bits |= static_cast<std::uint32_t>(place.x | place.y);
+  blocks.for_each([&](const codec::GridBlock& block) { bits |= static_cast<std::uint32_t>(block.stride); });
+  tile.xy_shift = std::countr_zero(bits);
+  blocks.coarsen(tile.xy_shift);
+  for (auto& places : tile.shape.sides) {
+    for (std::int32_t& at : places) at >>= tile.xy_shift;
+  }
+  for (codec::GridVertex& place : grid.places) place = {place.x >> tile.xy_shift, place.y >> tile.xy_shift, 0};
+}
 
 }  // namespace
 
@@ -30,110 +49,95 @@ ScalarMaker::ScalarMaker(const ReferenceSurface& surface, const codec::TreeLayou
 Expected<codec::TileMesh> ScalarMaker::make(const codec::TileId& id) {
   const auto range = view_.surface().height_range_m(layout_.cells(id));
   if (range[0] > range[1]) return codec::TileMesh{};
-  begin(id);
-  if (view_.interrupted()) return tl::unexpected(*view_.error());
-  if (auto chosen = choose_stride(id); !chosen) return tl::unexpected(chosen.error());
-  if (grid_.inner_count() > 0) {
-    if (quantizer_ == codec::QuantizerKind::kLloydMax)
-      choose_lloyd_max();
-    else
-      choose_uniform();
+  ScalarSpec wanted = spec(id);
+  const double reach_m = std::min(wanted.bound_m, kRowShare * wanted.level.bound_m);
+  codec::ScalarTile tile;
+  if (quantizer_ == codec::QuantizerKind::kLloydMax) {
+    wanted.bound_m *= 1 - kLloydMaxShare;
+    tile.shape = choose_blocks(view_, wanted);
+  } else {
+    tile.shape = choose_step(wanted, reach_m, range[1] - range[0]);
   }
   if (view_.interrupted()) return tl::unexpected(*view_.error());
-  return take_mesh();
+  auto grid = codec::make_scalar_grid(tile.shape);
+  if (!grid) {
+    return fail(ErrorCode::kBadData,
+                fmt::format("within the bound it takes grids of more than the {} vertices of method scalar; choose a "
+                            "larger --error, or --method tin",
+                            codec::kMaxGridVertices),
+                "tile " + id.text());
+  }
+  samples_m_.clear();
+  z_.clear();
+  border_count_ = grid->border_count;
+  for (const codec::GridVertex& v : grid->places) {
+    const double h = view_.sample(wanted.column0 + v.x, wanted.row0 + v.y);
+    samples_m_.push_back(h);
+    z_.push_back(std::isnan(h) ? 0 : wanted.address(v.x, v.y, h));
+  }
+  if (quantizer_ == codec::QuantizerKind::kLloydMax)
+    quantize_lloyd_max(wanted, std::min(kLloydMaxShare * wanted.level.bound_m, reach_m));
+  if (view_.interrupted()) return tl::unexpected(*view_.error());
+  set_heights(tile);
+  coarsen(tile, *grid);
+  return tile.mesh(std::move(*grid));
 }
 
-void ScalarMaker::begin(const codec::TileId& id) {
+/// The blocks, and the step of a uniform quantiser, that take fewer bits. Heights span `relief_m`.
+codec::ScalarShape ScalarMaker::choose_step(ScalarSpec& spec, double reach_m, double relief_m) {
+  const double relief = relief_m / spec.level.heights.step_m;
+  const auto widest = static_cast<std::int64_t>(2 * reach_m / spec.level.heights.step_m);
+  const auto bits = [&](const codec::ScalarShape& shape) {
+    const auto cells = static_cast<double>(codec::cell_count(shape));
+    return cells * std::log2(2 + relief / static_cast<double>(spec.height_step));
+  };
+  spec.height_step = std::clamp<std::int64_t>(widest, 1, kStep);
+  codec::ScalarShape shape = choose_blocks(view_, spec);
+  const double samples = static_cast<double>(spec.width()) * spec.height();
+  if (static_cast<double>(codec::cell_count(shape)) < kDenseShare * samples || view_.interrupted()) return shape;
+  const double fine_bits = bits(shape);
+  const std::int64_t fine_step = spec.height_step;
+  spec.height_step = std::clamp<std::int64_t>(widest, 1, kCoarsestStep);
+  codec::ScalarShape coarse = choose_blocks(view_, spec);
+  if (bits(coarse) < fine_bits) return coarse;
+  spec.height_step = fine_step;
+  return shape;
+}
+
+void ScalarMaker::set_heights(codec::ScalarTile& tile) const {
+  tile.z_offset = std::numeric_limits<std::int64_t>::max();
+  bool missing = false;
+  for (std::size_t i = 0; i < z_.size(); ++i) {
+    tile.missing.push_back(std::isnan(samples_m_[i]));
+    missing = missing || tile.missing[i];
+    if (!tile.missing[i]) tile.z_offset = std::min(tile.z_offset, z_[i]);
+  }
+  for (std::size_t i = 0; i < z_.size(); ++i) {
+    tile.z.push_back(tile.missing[i] ? 0 : static_cast<std::int32_t>(z_[i] - tile.z_offset));
+  }
+  if (!missing) tile.missing.clear();
+}
+
+ScalarSpec ScalarMaker::spec(const codec::TileId& id) {
+  using Shape = codec::ScalarShape;
   const std::int64_t cells = layout_.cells_across(id.level);
   const codec::CellRect rect = layout_.cells(id);
-  column0_ = rect.column0;
-  row0_ = rect.row0;
-  level_ = {cells, layout_.bound_m(id.level), {layout_.z_step_m[static_cast<std::size_t>(id.level)]}};
-  bound_m_ = tested_bound_m(view_.surface(), rect, level_.bound_m);
-  distance_.emplace(view_, column0_, row0_);
-  grid_ = {};
-  grid_.width = static_cast<std::int32_t>(rect.column1 - rect.column0);
-  grid_.height = static_cast<std::int32_t>(rect.row1 - rect.row0);
-  grid_.sides[codec::ScalarGrid::kNorth] = border_places(view_, level_, {column0_, row0_, cells, false});
-  grid_.sides[codec::ScalarGrid::kSouth] = border_places(view_, level_, {column0_, rect.row1, cells, false});
-  grid_.sides[codec::ScalarGrid::kWest] = border_places(view_, level_, {column0_, row0_, cells, true});
-  grid_.sides[codec::ScalarGrid::kEast] = border_places(view_, level_, {rect.column1, row0_, cells, true});
+  ScalarSpec out;
+  out.level = {cells, layout_.bound_m(id.level), {layout_.z_step_m[static_cast<std::size_t>(id.level)]}};
+  out.column0 = rect.column0;
+  out.row0 = rect.row0;
+  out.bound_m = tested_bound_m(view_.surface(), rect, out.level.bound_m);
+  out.sides[Shape::kNorth] = border_places(view_, out.level, {rect.column0, rect.row0, cells, false});
+  out.sides[Shape::kSouth] = border_places(view_, out.level, {rect.column0, rect.row1, cells, false});
+  out.sides[Shape::kWest] = border_places(view_, out.level, {rect.column0, rect.row0, cells, true});
+  out.sides[Shape::kEast] = border_places(view_, out.level, {rect.column1, rect.row0, cells, true});
+  return out;
 }
 
-/// Whether a sample of the tile is missing.
-bool ScalarMaker::has_hole() {
-  const SurfaceWindow& window = distance_->surface();
-  for (std::int64_t y = 0; y <= grid_.height;) {
-    std::int64_t rows = 0;
-    for (std::int64_t x = 0; x <= grid_.width;) {
-      const SampleRun run = window.run_at(x, y);
-      const std::int64_t columns = std::min(grid_.width - x + 1, run.columns);
-      rows = std::min(grid_.height - y + 1, run.rows);
-      for (std::int64_t j = 0; j < rows && !run.all_valid; ++j) {
-        const float* row = run.heights + j * cache::kBlockStride;
-        if (std::any_of(row, row + columns, [](float h) { return std::isnan(h); })) return true;
-      }
-      x += columns;
-    }
-    y += rows;
-  }
-  return false;
-}
-
-/// The coarsest stride that fits with heights on the level's lattice; 1 always does.
-Expected<void> ScalarMaker::choose_stride(const codec::TileId& id) {
-  const std::int64_t shorter = std::min(grid_.width, grid_.height);
-  std::int64_t stride = level_.cells / 2;
-  while (stride > 1 && stride >= shorter) stride /= 2;
-  if (stride > 1 && has_hole()) stride = 1;
-  for (;; stride /= 2) {
-    if (auto taken = take_samples(id, stride); !taken) return taken;
-    quantize(1);
-    if (stride == 1 || view_.interrupted() || fits()) return {};
-  }
-}
-
-Expected<void> ScalarMaker::take_samples(const codec::TileId& id, std::int64_t stride) {
-  grid_.stride = static_cast<std::int32_t>(stride);
-  const auto count = static_cast<std::int64_t>(grid_.vertex_count());
-  if (count > codec::kMaxGridVertices) {
-    return fail(
-        ErrorCode::kBadData,
-        fmt::format("within the bound it takes a grid of {} vertices, more than the {} of method scalar; choose a "
-                    "larger --error, --nodata fill where samples are missing, or --method tin",
-                    count, codec::kMaxGridVertices),
-        "tile " + id.text());
-  }
-  places_ = grid_.places();
-  samples_m_.clear();
-  for (const codec::GridVertex& v : places_) samples_m_.push_back(view_.sample(column0_ + v.x, row0_ + v.y));
-  return {};
-}
-
-/// Inner heights go to the nearest multiples of `step` height steps, those on the sides to the nearest step.
-void ScalarMaker::quantize(std::int64_t step) {
-  const std::size_t inner = grid_.border_count();
-  const HeightLattice coarse{level_.heights.step_m * static_cast<double>(step)};
-  z_.resize(samples_m_.size());
-  for (std::size_t i = 0; i < samples_m_.size(); ++i) {
-    const double h = samples_m_[i];
-    z_[i] = std::isnan(h) ? 0 : i < inner ? level_.heights.address(h) : step * coarse.address(h);
-  }
-}
-
-void ScalarMaker::choose_uniform() {
-  for (std::int64_t step = kCoarsestStep; step > 1 && !view_.interrupted(); --step) {
-    quantize(step);
-    if (fits()) return;
-  }
-  quantize(1);
-}
-
-/// The fewest levels that fit, as far as halving finds them.
-void ScalarMaker::choose_lloyd_max() {
-  quantize(1);
+/// The fewest levels that move no height by more than `reach_m`, as far as halving finds them.
+void ScalarMaker::quantize_lloyd_max(const ScalarSpec& spec, double reach_m) {
   std::vector<std::int64_t> heights;
-  for (std::size_t i = grid_.border_count(); i < z_.size(); ++i) {
+  for (std::size_t i = border_count_; i < z_.size(); ++i) {
     if (!std::isnan(samples_m_[i])) heights.push_back(z_[i]);
   }
   if (heights.empty()) return;
@@ -145,117 +149,23 @@ void ScalarMaker::choose_lloyd_max() {
     if (histogram.empty() || histogram.back().height_m != relative) histogram.push_back({relative, 0});
     ++histogram.back().weight;
   }
-  std::size_t too_few = 1;
+  std::vector<std::int64_t> best = z_;
+  std::size_t too_few = 0;
   std::size_t enough = histogram.size();  // every height its own
   while (enough > too_few + 1 && !view_.interrupted()) {
     const std::size_t levels = (too_few + enough) / 2;
-    (quantize_lloyd_max(histogram, lowest, levels) ? enough : too_few) = levels;
-  }
-  if (enough < histogram.size())
-    quantize_lloyd_max(histogram, lowest, enough);
-  else
-    quantize(1);
-}
-
-/// Inner heights go to the nearest of `levels` levels, in steps above `lowest`. Returns whether that fits.
-bool ScalarMaker::quantize_lloyd_max(const std::vector<codec::HeightWeight>& histogram, std::int64_t lowest,
-                                     std::size_t levels) {
-  const codec::Quantizer quantizer = codec::lloyd_max_quantizer(histogram, levels, kLloydMaxIterations).quantizer;
-  for (std::size_t i = grid_.border_count(); i < z_.size(); ++i) {
-    const double h = samples_m_[i];
-    if (!std::isnan(h)) {
-      z_[i] = lowest + std::llround(quantizer.value(static_cast<double>(level_.heights.address(h) - lowest)));
+    const codec::Quantizer quantizer = codec::lloyd_max_quantizer(histogram, levels, kLloydMaxIterations).quantizer;
+    std::vector<std::int64_t> tried = z_;
+    bool fits = true;
+    for (std::size_t i = border_count_; i < z_.size() && fits; ++i) {
+      if (std::isnan(samples_m_[i])) continue;
+      tried[i] = lowest + std::llround(quantizer.value(static_cast<double>(z_[i] - lowest)));
+      fits = std::abs(static_cast<double>(tried[i]) * spec.level.heights.step_m - samples_m_[i]) <= reach_m;
     }
+    (fits ? enough : too_few) = levels;
+    if (fits) best = std::move(tried);
   }
-  return fits();
-}
-
-bool ScalarMaker::fits() {
-  if (!vertices_fit()) return false;
-  // Between neighbouring samples the surface is as near as at them, and the strip holds for whatever heights are.
-  return grid_.stride == 1 || (cells_fit() && strip_fits());
-}
-
-bool ScalarMaker::vertices_fit() const {
-  const double bound_m = std::min(bound_m_, kRowShare * level_.bound_m);
-  for (std::size_t i = grid_.border_count(); i < z_.size(); ++i) {
-    const double gap = static_cast<double>(z_[i]) * level_.heights.step_m - samples_m_[i];
-    if (std::abs(gap) > bound_m) return false;
-  }
-  return true;
-}
-
-Point ScalarMaker::point(std::size_t vertex) const {
-  const codec::GridVertex& v = places_[vertex];
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(z_[vertex]) * level_.heights.step_m};
-}
-
-bool ScalarMaker::cells_fit() {
-  const auto columns = static_cast<std::size_t>(grid_.columns());
-  const auto rows = static_cast<std::size_t>(grid_.rows());
-  const std::size_t first = grid_.border_count();
-  for (std::size_t row = 0; row + 1 < rows; ++row) {
-    if (view_.interrupted()) return false;
-    for (std::size_t column = 0; column + 1 < columns; ++column) {
-      const std::size_t nw = first + row * columns + column;
-      const Point a = point(nw);
-      const Point d = point(nw + columns + 1);
-      const auto fit = [&](const Point& b, const Point& c) {
-        return distance_->fit_triangle(a, b, c, bound_m_) == SurfaceDistance::Fit::kWithin;
-      };
-      if (!fit(d, point(nw + 1)) || !fit(point(nw + columns), d)) return false;
-    }
-  }
-  return true;
-}
-
-bool ScalarMaker::strip_fits() {
-  Star star;
-  star.bound_m = bound_m_;
-  for (const codec::Triangle& t : grid_.strip()) {
-    if (view_.interrupted()) return false;
-    const std::array corners{point(t[0]), point(t[1]), point(t[2])};
-    HeightInterval interval;
-    star.hub = corners[0];
-    star.sides.assign({{corners[1], corners[2]}});
-    distance_->clip_star(star, interval);
-    for (std::size_t k = 0; k < 3 && !interval.empty(); ++k) {
-      // An edge inside the strip is met again, the other way round; the others are the sides' and the cells'.
-      if (t[k] > t[(k + 1) % 3]) continue;
-      clip_spoke(distance_->surface(), corners[k], corners[(k + 1) % 3], bound_m_, interval);
-    }
-    if (interval.empty()) return false;
-  }
-  return true;
-}
-
-/// On the coarsest address grid that holds it.
-codec::TileMesh ScalarMaker::take_mesh() const {
-  codec::ScalarTile tile;
-  tile.grid = grid_;
-  auto bits = static_cast<std::uint32_t>(grid_.width | grid_.height);
-  if (grid_.inner_count() > 0) bits |= static_cast<std::uint32_t>(grid_.stride);
-  for (const auto& places : grid_.sides) {
-    for (const std::int32_t at : places) bits |= static_cast<std::uint32_t>(at);
-  }
-  tile.xy_shift = std::countr_zero(bits);
-  tile.grid.width >>= tile.xy_shift;
-  tile.grid.height >>= tile.xy_shift;
-  tile.grid.stride = std::max(1, tile.grid.stride >> tile.xy_shift);
-  for (auto& places : tile.grid.sides) {
-    for (std::int32_t& at : places) at >>= tile.xy_shift;
-  }
-  std::int64_t lowest = std::numeric_limits<std::int64_t>::max();
-  for (std::size_t i = 0; i < z_.size(); ++i) {
-    tile.missing.push_back(std::isnan(samples_m_[i]));
-    if (!tile.missing[i]) lowest = std::min(lowest, z_[i]);
-  }
-  for (std::size_t i = 0; i < z_.size(); ++i) {
-    tile.z.push_back(tile.missing[i] ? 0 : static_cast<std::int32_t>(z_[i] - lowest));
-  }
-  tile.z_offset = lowest;
-  if (std::ranges::find(tile.missing, true) == tile.missing.end()) tile.missing.clear();
-  return tile.mesh();
+  z_ = std::move(best);
 }
 
 }  // namespace tintree::simplify

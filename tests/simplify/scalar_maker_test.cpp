@@ -67,23 +67,21 @@ TEST(ScalarMaker, SmoothGroundTakesAWideGrid) {
   ScalarMaker maker(*hills.surface, layout, QuantizerKind::kUniform);
   const auto mesh = maker.make({0, 0, 0});
   ASSERT_TRUE(mesh.has_value());
-  EXPECT_LT(mesh->triangles.size(), 2U * 256 * 256 / 16);
-  const auto tile = codec::find_scalar_tile(*mesh);
-  ASSERT_TRUE(tile.has_value());
-  // A plane's grid is as wide as it gets.
+  EXPECT_LT(mesh->triangles.size(), 2U * 256 * 256 / 12);
+  // A plane's grid is as wide as it gets: a vertex inside, and one in each quarter, which has others on the sides.
   const Terrain plane = test::make_terrain(257, 257, [](int c, int r) { return 3.0 * c - r; });
   const auto flat =
       ScalarMaker(*plane.surface, test::make_layout(plane, 256, 8), QuantizerKind::kUniform).make({0, 0, 0});
   ASSERT_TRUE(flat.has_value());
-  EXPECT_EQ(codec::find_scalar_tile(*flat)->grid.inner_count(), 1U);
+  EXPECT_EQ(flat->vertices.size(), 32U + 5U);
 }
 
 /// Heights of the inner grid: how many levels there are.
 std::size_t level_count(const codec::TileMesh& mesh) {
-  const auto tile = codec::find_scalar_tile(mesh);
-  EXPECT_TRUE(tile.has_value());
+  const auto found = codec::find_scalar_tile(mesh);
+  EXPECT_TRUE(found.has_value());
   std::set<std::int32_t> heights;
-  for (std::size_t i = tile->grid.border_count(); i < tile->z.size(); ++i) heights.insert(tile->z[i]);
+  for (std::size_t i = found->grid.border_count; i < found->tile.z.size(); ++i) heights.insert(found->tile.z[i]);
   return heights.size();
 }
 
@@ -136,16 +134,31 @@ TEST(ScalarMaker, EndsSoonAfterAStop) {
   EXPECT_EQ(mesh.error().code, ErrorCode::kStopped);
 }
 
-/// A hole, so that all samples would be taken: more than a tile may have.
-TEST(ScalarMaker, RefusesATileOfTooManyVertices) {
-  const Terrain wide =
-      test::make_terrain(4200, 4200, [](int c, int r) { return c == 9 && r == 9 ? test::kMissing : 1.0; });
-  const codec::TreeLayout layout = test::make_layout(wide, 4096, 1);
-  const auto mesh = ScalarMaker(*wide.surface, layout, QuantizerKind::kUniform).make({0, 0, 0});
-  ASSERT_FALSE(mesh.has_value());
-  EXPECT_EQ(mesh.error().code, ErrorCode::kBadData);
-  for (const std::string word : {"tile 0/0/0", "16777216", "--error", "--nodata fill", "--method tin"})
-    EXPECT_NE(mesh.error().text().find(word), std::string::npos) << word << " not in " << mesh.error().text();
+/// Ground is rough, or samples are missing, in one place of a plane: only there are vertices close.
+TEST(ScalarMaker, WhatIsRoughInOnePlaceCostsLittle) {
+  for (const double odd : {test::kMissing, 500.0}) {
+    const Terrain plane =
+        test::make_terrain(1025, 1025, [&](int c, int r) { return c == 300 && r == 700 ? odd : 1.0; });
+    const codec::TreeLayout layout = test::make_layout(plane, 1024, 1);
+    const auto mesh = ScalarMaker(*plane.surface, layout, QuantizerKind::kUniform).make({0, 0, 0});
+    ASSERT_TRUE(mesh.has_value());
+    // Nine strides, each of a ring of blocks of 4 x 4.
+    EXPECT_LT(mesh->vertices.size(), 9U * 16 * 16);
+  }
+}
+
+/// A circle of 400 samples across in nothing: what is empty costs nothing, and its outline what it is long.
+TEST(ScalarMaker, AHoleCostsItsOutline) {
+  for (const bool inside : {false, true}) {
+    const Terrain disk = test::make_terrain(1025, 1025, [&](int c, int r) {
+      return (std::hypot(c - 512, r - 512) < 200) == inside ? 1.0 : test::kMissing;
+    });
+    const codec::TreeLayout layout = test::make_layout(disk, 1024, 1);
+    const auto mesh = ScalarMaker(*disk.surface, layout, QuantizerKind::kUniform).make({0, 0, 0});
+    ASSERT_TRUE(mesh.has_value());
+    EXPECT_LT(mesh->vertices.size(), 1260U * 20);
+    EXPECT_LT(codec::find_codec("scalar")->encode(*mesh)->size(), 1260U * 16);
+  }
 }
 
 }  // namespace
