@@ -4,13 +4,13 @@
 #include <array>
 #include <bit>
 #include <limits>
-#include <unordered_map>
 #include <utility>
 
 #include "codec/range_coder.h"
 #include "codec/right_triangle_walk.h"
 #include "codec/split_fans.h"
 #include "codec/split_hierarchy.h"
+#include "codec/spot_map.h"
 
 namespace tintree::codec {
 namespace {
@@ -27,7 +27,7 @@ class Putter final : public RightTriangleCoder {
     for (const GridVertex& v : mesh.vertices)
       spots_.push_back({std::int64_t{v.x} << mesh.xy_shift, std::int64_t{v.y} << mesh.xy_shift});
     for (std::size_t i = 0; i < spots_.size(); ++i) {
-      heights_[split_key(spots_[i])] = mesh.z_offset + mesh.vertices[i].z;
+      heights_.insert(spots_[i], mesh.z_offset + mesh.vertices[i].z);
       force(spots_[i]);
     }
     for (const Triangle& t : mesh.triangles)
@@ -37,12 +37,11 @@ class Putter final : public RightTriangleCoder {
 
   bool bit(BitModel& model, bool truth) override { return coder_.bit(model, truth); }
   std::int64_t number(NumberModel& model, std::int64_t truth) override { return model.code(coder_, truth); }
-  bool splits(const Spot& spot) const override { return splits_.contains(split_key(spot)); }
+  bool splits(const Spot& spot) const override { return splits_.find(spot) != nullptr; }
   bool height(const Spot& spot, std::int64_t& z) const override {
-    const auto at = heights_.find(split_key(spot));
-    if (at == heights_.end()) return false;
-    z = at->second;
-    return true;
+    const std::int64_t* at = heights_.find(spot);
+    if (at != nullptr) z = *at;
+    return at != nullptr;
   }
   bool has(const std::array<Spot, 3>& triangle) const override {
     return std::ranges::binary_search(triangles_, canonical(triangle));
@@ -65,8 +64,8 @@ class Putter final : public RightTriangleCoder {
   std::int64_t cells_;
   std::int64_t square_;
   std::vector<Spot> spots_;
-  std::unordered_map<std::uint64_t, std::int64_t> heights_;
-  std::unordered_map<std::uint64_t, bool> splits_;
+  SpotMap<std::int64_t> heights_;
+  SpotMap<bool> splits_;
   std::vector<Keys> triangles_;
   RangeEncoder coder_;
 };
@@ -74,7 +73,7 @@ class Putter final : public RightTriangleCoder {
 void Putter::force(const Spot& spot) {
   const auto [x, y] = spot;
   if (x < 0 || y < 0 || x > cells_ || y > cells_ || (x % square_ == 0 && y % square_ == 0)) return;
-  if (!splits_.emplace(split_key(spot), true).second) return;
+  if (!splits_.insert(spot, true)) return;
   const std::int64_t unit = split_unit(spot);
   // The corners of squares are there without any split.
   const bool centre = (x & unit) != 0 && (y & unit) != 0;

@@ -70,7 +70,7 @@ std::int32_t RightTriangleWalk::add(const Spot& spot, std::int64_t unit, const O
   }
   const auto index = static_cast<Index>(points_.size());
   points_.push_back(point);
-  by_spot_[split_key(spot)] = index;
+  by_spot_.insert(spot, index);
   return index;
 }
 

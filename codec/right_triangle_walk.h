@@ -4,12 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "codec/range_coder.h"
 #include "codec/right_triangle_code.h"
 #include "codec/split_hierarchy.h"
+#include "codec/spot_map.h"
 
 namespace tintree::codec {
 
@@ -77,8 +77,8 @@ class RightTriangleWalk {
 
   bool inside(const Spot& s) const { return s.x >= 0 && s.y >= 0 && s.x <= cells_ && s.y <= cells_; }
   Index find(const Spot& s) const {
-    const auto at = by_spot_.find(split_key(s));
-    return at == by_spot_.end() ? kNone : at->second;
+    const Index* at = by_spot_.find(s);
+    return at == nullptr ? kNone : *at;
   }
   Index add(const Spot& spot, std::int64_t unit, const Outlook& outlook);
   void add_corners();
@@ -96,7 +96,7 @@ class RightTriangleWalk {
   RightTriangleCoder* coder_;
   bool holes_;
   std::vector<RightTrianglePoint> points_;
-  std::unordered_map<std::uint64_t, Index> by_spot_;
+  SpotMap<Index> by_spot_;
   bool last_there_ = true;
 
   std::array<std::array<std::array<BitModel, kRoughness>, kExpected>, 2> split_models_;
