@@ -17,10 +17,10 @@ struct Plane {
   std::vector<std::int32_t> samples;
 };
 
-/// JPEG 2000 (ISO/IEC 15444-1) by OpenJPEG: the reversible 5/3 wavelet, one quality layer, cut off where it is good enough. With it
-/// decoding is a matter of integers, the same on every machine, however much was cut off. The code stream comes
-/// without its headers, which say the same in all: about 100 bytes less. Cost: 60 ns a sample to encode, 40 to decode
-/// what was not cut off.
+/// JPEG 2000 (ISO/IEC 15444-1) by OpenJPEG: the reversible 5/3 wavelet, one quality layer, cut off where it is good
+/// enough. With it decoding is a matter of integers, the same on every machine, however much was cut off. The code
+/// stream comes without its headers, which say the same in all: about 100 bytes less. Cost: 60 ns a sample to encode,
+/// 40 to decode what was not cut off.
 
 /// The fewest bytes of which OpenJPEG believes that no more than `loss` gets lost, the root mean square of the samples'
 /// differences; it is off by some percent. 0: nothing at all gets lost.

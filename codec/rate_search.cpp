@@ -19,6 +19,9 @@ constexpr int kMostEncodes = 8;
 constexpr double kAim = 0.99;
 constexpr double kEnough = 0.98;
 constexpr double kQuickAim = 0.8;
+/// A quick search divides the bound into so many steps of the quantiser, and lowers its loss by as much at a time.
+constexpr std::int64_t kQuickSteps = 4;
+constexpr double kQuickRetry = 0.75;
 /// The largest difference is about so many times the root of their mean square.
 constexpr double kPeak = 4;
 /// Two losses so much apart are the same.
@@ -107,7 +110,8 @@ void Search::choose_quantizer() {
   for (quantizer_.bits = spec_.bits;; ++quantizer_.bits) {
     const std::int64_t levels = (std::int64_t{1} << quantizer_.bits) - 1;
     quantizer_.step = std::max<std::int64_t>(1, (high - low + levels - 1) / levels);
-    const bool fine = quantizer_.step <= std::max<std::int64_t>(1, spec_.bound);
+    const bool fine =
+        quantizer_.step <= std::max<std::int64_t>(1, spec_.quick ? spec_.bound / kQuickSteps : spec_.bound);
     if (fine || spec_.lossless || quantizer_.bits == kMostBits) break;
   }
   const auto highest = static_cast<std::uint64_t>((high - low + quantizer_.step / 2) / quantizer_.step);
@@ -162,7 +166,7 @@ void Search::find_largest() {
     const bool fits = off <= 1;
     if (error_ || (fits && (spec_.quick || off >= kEnough))) return;
     (fits ? fits_at : breaks_at) = loss;
-    loss *= std::clamp(aim / off, 0.25, 4.0);
+    loss *= spec_.quick ? kQuickRetry : std::clamp(aim / off, 0.25, 4.0);
     if (fits_at == 0 || std::isinf(breaks_at)) continue;
     // Well between the two, however little what is off went with the loss.
     const double ratio = breaks_at / fits_at;
