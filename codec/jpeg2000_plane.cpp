@@ -1,6 +1,7 @@
 #include "codec/jpeg2000_plane.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -162,21 +163,22 @@ tl::unexpected<Error> failed(const std::string& message) {
 
 }  // namespace
 
-Expected<std::vector<std::byte>> encode_plane(const Plane& plane, std::size_t bytes) {
+Expected<std::vector<std::byte>> encode_plane(const Plane& plane, double loss) {
   const std::vector<std::byte> header = main_header(plane.width, plane.height, plane.bits);
   opj_cparameters_t parameters;
   opj_set_default_encoder_parameters(&parameters);
   parameters.numresolution = resolutions(plane.width, plane.height);
   parameters.tcp_numlayers = 1;
-  parameters.cp_disto_alloc = 1;
   parameters.irreversible = 0;
+  if (loss > 0) {
+    const double peak = std::ldexp(1, plane.bits) - 1;
+    parameters.cp_fixed_quality = 1;
+    parameters.tcp_distoratio[0] = static_cast<float>(20 * std::log10(peak / loss));
+  } else {
+    parameters.cp_disto_alloc = 1;
+  }
   std::string comment;
   parameters.cp_comment = comment.data();
-  if (bytes > 0) {
-    const double raw = static_cast<double>(plane.samples.size()) * plane.bits / 8;
-    const std::size_t whole = bytes + header.size() + kTileHeader + kEnd;
-    parameters.tcp_rates[0] = static_cast<float>(std::max(raw / static_cast<double>(whole), 1.0));
-  }
   const Image image = new_image(plane.width, plane.height, plane.bits);
   const Codec codec(opj_create_compress(OPJ_CODEC_J2K));
   Memory memory;

@@ -7,15 +7,16 @@
 #include <utility>
 
 #include "codec/tile_id.h"
-#include "codec/wavelet_patch.h"
 
 namespace tintree::codec {
 
-/// The reconstructed patches that were used last. In Z-order a tile finds all that are above it. Not thread-safe.
+/// The patches that were used last, reconstructed (Patch) or with their bytes (EncodedPatch). In Z-order a tile finds
+/// all that are above it. Not thread-safe.
+template <typename T>
 class PatchCache {
  public:
   /// Null when it is not here.
-  std::shared_ptr<const Patch> find(const TileId& id) {
+  std::shared_ptr<const T> find(const TileId& id) {
     for (auto at = entries_.begin(); at != entries_.end(); ++at) {
       if (at->first != id) continue;
       entries_.splice(entries_.begin(), entries_, at);
@@ -23,7 +24,7 @@ class PatchCache {
     }
     return nullptr;
   }
-  void keep(const TileId& id, std::shared_ptr<const Patch> patch) {
+  void keep(const TileId& id, std::shared_ptr<const T> patch) {
     entries_.emplace_front(id, std::move(patch));
     if (entries_.size() > kPatches) entries_.pop_back();
   }
@@ -31,7 +32,7 @@ class PatchCache {
  private:
   static constexpr std::size_t kPatches = 24;  // of half a MiB each at 256 cells
 
-  std::list<std::pair<TileId, std::shared_ptr<const Patch>>> entries_;
+  std::list<std::pair<TileId, std::shared_ptr<const T>>> entries_;
 };
 
 }  // namespace tintree::codec

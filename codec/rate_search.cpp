@@ -13,7 +13,21 @@
 namespace tintree::codec {
 namespace {
 
-constexpr std::size_t kLeastRate = 64;  // bytes
+/// Encodes of a search at most, before it gives in and codes without loss.
+constexpr int kMostEncodes = 8;
+/// What an attempt aims at, in parts of the bound, and what is good enough.
+constexpr double kAim = 0.99;
+constexpr double kEnough = 0.98;
+constexpr double kQuickAim = 0.8;
+/// A quick search divides the bound into so many steps of the quantiser, and lowers its loss by as much at a time.
+constexpr std::int64_t kQuickSteps = 4;
+constexpr double kQuickRetry = 0.75;
+/// The largest difference is about so many times the root of their mean square.
+constexpr double kPeak = 4;
+/// Two losses so much apart are the same.
+constexpr double kNear = 1.01;
+/// Losses below that, in numbers, are next to none.
+constexpr double kLeastLoss = 0.25;
 
 struct Stats {
   std::int64_t max = 0;
@@ -44,9 +58,9 @@ class Search {
 
   Expected<EncodedPatch> run() {
     if (spec_.lossless) {
-      try_rate(0);
+      try_loss(0);
     } else {
-      find_lowest();
+      find_largest();
     }
     if (error_) return tl::unexpected(*error_);
     best_->encodes = encodes_;
@@ -54,21 +68,17 @@ class Search {
   }
 
  private:
-  struct Attempt {
-    EncodedPatch patch;
-    bool fits = false;
-  };
-
   void choose_quantizer();
   void try_without();
-  bool try_rate(std::size_t rate);
-  void find_lowest();
-  bool fits(const Patch& reconstruction) const {
+  double try_loss(double loss);
+  void find_largest();
+  /// What it is off, in parts of the bound: it fits up to 1.
+  double share(const Patch& reconstruction) const {
     const Stats off = difference(*target_, reconstruction);
-    return spec_.criterion == PatchCriterion::kMax ? off.max <= spec_.bound
-                                                   : off.rms <= static_cast<double>(spec_.bound);
+    const double most = spec_.criterion == PatchCriterion::kMax ? static_cast<double>(off.max) : off.rms;
+    return most == 0 ? 0 : most / static_cast<double>(spec_.bound);
   }
-  bool keep(Attempt attempt);
+  void keep(EncodedPatch attempt);
 
   const Patch* target_;
   const Patch* prediction_;
@@ -100,7 +110,8 @@ void Search::choose_quantizer() {
   for (quantizer_.bits = spec_.bits;; ++quantizer_.bits) {
     const std::int64_t levels = (std::int64_t{1} << quantizer_.bits) - 1;
     quantizer_.step = std::max<std::int64_t>(1, (high - low + levels - 1) / levels);
-    const bool fine = quantizer_.step <= std::max<std::int64_t>(1, spec_.bound);
+    const bool fine =
+        quantizer_.step <= std::max<std::int64_t>(1, spec_.quick ? spec_.bound / kQuickSteps : spec_.bound);
     if (fine || spec_.lossless || quantizer_.bits == kMostBits) break;
   }
   const auto highest = static_cast<std::uint64_t>((high - low + quantizer_.step / 2) / quantizer_.step);
@@ -113,60 +124,55 @@ void Search::choose_quantizer() {
   }
 }
 
-/// Keeps the attempt when it is the smallest that fits; true when it fits.
-bool Search::keep(Attempt attempt) {
-  if (!attempt.fits) return false;
-  if (!best_ || attempt.patch.bytes.size() < best_->bytes.size()) best_ = std::move(attempt.patch);
-  return true;
+/// Of two that fit the smaller one.
+void Search::keep(EncodedPatch attempt) {
+  if (!best_ || attempt.bytes.size() < best_->bytes.size()) best_ = std::move(attempt);
 }
 
 /// No plane: the prediction, moved by the residuals' mean.
 void Search::try_without() {
   const Quantizer none{.low = mean_};
-  Attempt attempt;
-  attempt.patch.reconstruction = dequantized(*prediction_, none, {});
-  attempt.patch.bytes = residual_bytes(none, {});
-  attempt.fits = fits(attempt.patch.reconstruction);
-  keep(std::move(attempt));
+  EncodedPatch attempt{residual_bytes(none, {}), dequantized(*prediction_, none, {})};
+  if (share(attempt.reconstruction) <= 1) keep(std::move(attempt));
 }
 
-/// True when it fits; at rate 0, without loss, it is taken whether it does or not.
-bool Search::try_rate(std::size_t rate) {
+/// What it is off, in parts of the bound; kept when it fits, and without loss in any case.
+double Search::try_loss(double loss) {
   ++encodes_;
-  auto body = encode_plane(numbers_, rate);
+  auto body = encode_plane(numbers_, loss);
   auto plane = body ? decode_plane(*body, numbers_.width, numbers_.height, numbers_.bits)
                     : Expected<Plane>(tl::unexpected(body.error()));
   if (!plane) {
     error_ = plane.error();
-    return true;
+    return 0;
   }
-  Attempt attempt;
-  attempt.patch.reconstruction = dequantized(*prediction_, quantizer_, *plane);
-  attempt.patch.bytes = residual_bytes(quantizer_, *body);
-  attempt.fits = rate == 0 || fits(attempt.patch.reconstruction);
-  return keep(std::move(attempt));
+  EncodedPatch attempt{residual_bytes(quantizer_, *body), dequantized(*prediction_, quantizer_, *plane)};
+  const double off = share(attempt.reconstruction);
+  if (loss == 0 || off <= 1) keep(std::move(attempt));
+  return off;
 }
 
-/// The lowest rate at which the criterion holds: fourfold steps upwards, then three halvings of the last one.
-void Search::find_lowest() {
+/// The largest loss with which the criterion holds: what is off goes with it, nearly.
+void Search::find_largest() {
   try_without();
   if (best_ || quantizer_.bits == 0) return;
-  const std::size_t whole = numbers_.samples.size() * static_cast<std::size_t>(numbers_.bits) / 8;
-  std::size_t low = kLeastRate / 2;
-  std::size_t high = kLeastRate;
-  while (high < whole && !try_rate(high)) {
-    low = high;
-    high *= 4;
+  const double aim = spec_.quick ? kQuickAim : kAim;
+  const double peak = spec_.criterion == PatchCriterion::kMax ? kPeak : 1;
+  double loss = aim * static_cast<double>(spec_.bound) / static_cast<double>(quantizer_.step) / peak;
+  double fits_at = 0;
+  double breaks_at = std::numeric_limits<double>::infinity();
+  while (encodes_ < kMostEncodes && loss > kLeastLoss && breaks_at > kNear * fits_at) {
+    const double off = try_loss(loss);
+    const bool fits = off <= 1;
+    if (error_ || (fits && (spec_.quick || off >= kEnough))) return;
+    (fits ? fits_at : breaks_at) = loss;
+    loss *= spec_.quick ? kQuickRetry : std::clamp(aim / off, 0.25, 4.0);
+    if (fits_at == 0 || std::isinf(breaks_at)) continue;
+    // Well between the two, however little what is off went with the loss.
+    const double ratio = breaks_at / fits_at;
+    loss = std::clamp(loss, fits_at * std::pow(ratio, 0.15), fits_at * std::pow(ratio, 0.85));
   }
-  if (error_) return;
-  if (high >= whole) {
-    try_rate(0);
-    high = best_ ? std::min(whole, best_->bytes.size()) : whole;
-  }
-  for (int halving = 0; halving < 3 && high > low + 8 && !error_; ++halving) {
-    const auto middle = static_cast<std::size_t>(std::sqrt(static_cast<double>(low) * static_cast<double>(high)));
-    (try_rate(middle) ? high : low) = middle;
-  }
+  if (!best_) try_loss(0);
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ class WaveletDecoder final : public TileDecoder {
   TreeLayout layout_;
   PayloadReader read_;
   std::mutex turn_;  // of the cache
-  PatchCache patches_;
+  PatchCache<Patch> patches_;
 };
 
 /// A tile of this method is no bytes by itself: both ways fail and say so. WaveletMaker encodes, WaveletDecoder

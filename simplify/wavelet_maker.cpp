@@ -90,36 +90,35 @@ codec::Patch WaveletMaker::target(const codec::TileId& id) {
   return out;
 }
 
-Expected<codec::EncodedPatch> WaveletMaker::encode_patch(const codec::TileId& id) {
-  std::shared_ptr<const codec::Patch> parent;
+Expected<std::shared_ptr<const codec::EncodedPatch>> WaveletMaker::patch(const codec::TileId& id) {
+  if (auto known = patches_.find(id)) return known;
+  std::shared_ptr<const codec::EncodedPatch> parent;
   if (id.level > 0) {
-    auto above = reconstruction(layout_.parent(id));
-    if (!above) return tl::unexpected(above.error());
+    auto above = patch(layout_.parent(id));
+    if (!above) return above;
     parent = std::move(*above);
   }
   const double unit_m = layout_.z_step_m[static_cast<std::size_t>(id.level)] / codec::kUnitsAStep;
   codec::PatchSpec spec;
   spec.criterion = criterion_;
   spec.bound = std::llround(layout_.bound_m(id.level) / unit_m);
+  spec.quick = true;
   spec.lifted = criterion_ == codec::PatchCriterion::kMax;
-  const codec::Patch prediction = codec::wavelet_prediction(layout_, id, parent.get());
+  const codec::Patch prediction =
+      codec::wavelet_prediction(layout_, id, parent == nullptr ? nullptr : &parent->reconstruction);
   auto coded = codec::encode_patch(target(id), prediction, spec);
   if (view_.interrupted()) return tl::unexpected(*view_.error());
-  if (coded) patches_.keep(id, std::make_shared<const codec::Patch>(coded->reconstruction));
-  return coded;
-}
-
-Expected<std::shared_ptr<const codec::Patch>> WaveletMaker::reconstruction(const codec::TileId& id) {
-  if (auto known = patches_.find(id)) return known;
-  if (auto coded = encode_patch(id); !coded) return tl::unexpected(coded.error());
-  return patches_.find(id);
+  if (!coded) return tl::unexpected(coded.error());
+  auto out = std::make_shared<const codec::EncodedPatch>(std::move(*coded));
+  patches_.keep(id, out);
+  return out;
 }
 
 Expected<std::vector<std::byte>> WaveletMaker::encode(const codec::MeshCodec&, const codec::TileId& id,
                                                       const codec::TileMesh& mesh) {
-  const auto patch = encode_patch(id);
-  if (!patch) return tl::unexpected(patch.error());
-  return codec::encode_wavelet_tile(layout_, id, mesh, *patch);
+  const auto own = patch(id);
+  if (!own) return tl::unexpected(own.error());
+  return codec::encode_wavelet_tile(layout_, id, mesh, **own);
 }
 
 }  // namespace tintree::simplify

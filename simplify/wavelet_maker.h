@@ -24,14 +24,13 @@ class WaveletMaker final : public TileMaker {
                                           const codec::TileMesh& mesh) override;
 
  private:
-  Expected<codec::EncodedPatch> encode_patch(const codec::TileId& id);
-  Expected<std::shared_ptr<const codec::Patch>> reconstruction(const codec::TileId& id);
+  Expected<std::shared_ptr<const codec::EncodedPatch>> patch(const codec::TileId& id);
   codec::Patch target(const codec::TileId& id);
 
   SurfaceView view_;
   codec::TreeLayout layout_;
   codec::PatchCriterion criterion_;
-  codec::PatchCache patches_;
+  codec::PatchCache<codec::EncodedPatch> patches_;
 };
 
 }  // namespace tintree::simplify
