@@ -18,6 +18,7 @@ class TinFront {
  public:
   using Index = std::uint32_t;
   static constexpr Index kNone = UINT32_MAX;
+  static constexpr std::int8_t kStale = -1;
 
   struct Node {
     std::uint32_t vertex = 0;
@@ -26,6 +27,7 @@ class TinFront {
     std::int32_t half = 0;  ///< Of the triangle to come (TinSource), for who knows it.
     bool open = true;       ///< Whether a triangle may come there.
     bool gone = false;
+    std::int8_t turn = kStale;  ///< As turn() has it.
   };
 
   /// `points` are the vertices by number.
@@ -38,8 +40,8 @@ class TinFront {
   Index insert(std::uint32_t vertex, std::int32_t half, Index previous, Index next) {
     const auto i = static_cast<Index>(nodes_.size());
     nodes_.push_back({vertex, next, previous, half});
-    if (previous != kNone) nodes_[previous].next = i;
-    if (next != kNone) nodes_[next].previous = i;
+    if (previous != kNone) link(previous, i, nodes_[previous].half);
+    if (next != kNone) link(i, next, half);
     const GridVertex& p = point(i);
     order_.push({static_cast<std::uint64_t>(p.y) << 32 | static_cast<std::uint32_t>(p.x), i});
     return i;
@@ -49,6 +51,7 @@ class TinFront {
     nodes_[a].next = b;
     nodes_[a].half = half;
     nodes_[b].previous = a;
+    nodes_[a].turn = nodes_[b].turn = kStale;
   }
   void close(Index i) { nodes_[i].open = false; }
   void remove(Index i) { nodes_[i].gone = true; }
@@ -72,16 +75,10 @@ class TinFront {
   static constexpr std::size_t kTurns = 8;
   /// The angle that a node leaves for triangles: 0 up to 45 degrees, 1 to 63, 2 to 90, 3 less than 117, 4 to 135, 5
   /// to 180, 6 more, 7 none or straight.
-  int turn(Index i) const {
-    const Node& node = nodes_[i];
-    const GridVertex& c = point(i);
-    const GridVertex& n = point(node.next);
-    const GridVertex& p = point(node.previous);
-    const std::int64_t sine = doubled_area(c, n, p);
-    const std::int64_t cosine = std::int64_t{n.x - c.x} * (p.x - c.x) + std::int64_t{n.y - c.y} * (p.y - c.y);
-    if (sine <= 0) return cosine < 0 ? 6 : 7;
-    if (cosine > 0) return sine <= cosine ? 0 : sine <= 2 * cosine ? 1 : 2;
-    return sine >= -2 * cosine ? 3 : sine >= -cosine ? 4 : 5;
+  int turn(Index i) {
+    std::int8_t& known = nodes_[i].turn;
+    if (known == kStale) known = find_turn(nodes_[i]);
+    return known;
   }
 
  private:
@@ -94,6 +91,16 @@ class TinFront {
   };
 
   bool live(Index i) const { return nodes_[i].open && !nodes_[i].gone; }
+  std::int8_t find_turn(const Node& node) const {
+    const GridVertex& c = (*points_)[node.vertex];
+    const GridVertex& n = point(node.next);
+    const GridVertex& p = point(node.previous);
+    const std::int64_t sine = doubled_area(c, n, p);
+    const std::int64_t cosine = std::int64_t{n.x - c.x} * (p.x - c.x) + std::int64_t{n.y - c.y} * (p.y - c.y);
+    if (sine <= 0) return cosine < 0 ? 6 : 7;
+    if (cosine > 0) return sine <= cosine ? 0 : sine <= 2 * cosine ? 1 : 2;
+    return sine >= -2 * cosine ? 3 : sine >= -cosine ? 4 : 5;
+  }
 
   const std::vector<GridVertex>* points_;
   std::vector<Node> nodes_;

@@ -24,7 +24,7 @@ inline std::int64_t squared_distance(const GridVertex& a, const GridVertex& b) {
 class PlaceGuess {
  public:
   /// `doubled_area` is what triangles have had of late, 0 if there were none.
-  PlaceGuess(const TinFront& front, TinFront::Index gate, std::int64_t doubled_area, std::int32_t width,
+  PlaceGuess(TinFront& front, TinFront::Index gate, std::int64_t doubled_area, std::int32_t width,
              std::int32_t height) {
     const TinFront::Index end = front[gate].next;
     const GridVertex& a = front.point(gate);

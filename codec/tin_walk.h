@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "codec/quick_bit_model.h"
 #include "codec/range_coder.h"
 #include "codec/tin_front.h"
 #include "codec/tin_guess.h"
+#include "codec/tin_models.h"
 #include "codec/tin_source.h"
 
 namespace tintree::codec {
@@ -48,7 +48,7 @@ class TinWalk {
 
  private:
   using Index = TinFront::Index;
-  using Number = NumberModelOf<QuickBitModel>;
+  using Number = TinModels::Number;
   static constexpr std::uint32_t kUnknown = UINT32_MAX;
   static constexpr std::int64_t kMostNumber = 1 << 24;
 
@@ -94,7 +94,7 @@ class TinWalk {
     const std::vector<std::int32_t> sides = writing() ? source_->rectangle() : std::vector<std::int32_t>();
     const auto half = [&](std::size_t i) { return writing() ? sides[i] : TinSource::kNone; };
     const auto from = [&](std::size_t i) { return writing() ? source_->origin(sides[i % sides.size()]) : 0; };
-    if (!add_vertex(0, 0, code_height(first_height_, 0, from(0)), from(0))) return false;
+    if (!add_vertex(0, 0, code_height(models_.first_height, 0, from(0)), from(0))) return false;
     const Index start = front_.insert(0, half(0), TinFront::kNone, TinFront::kNone);
     Index last = start;
     std::size_t i = 0;
@@ -104,13 +104,13 @@ class TinWalk {
         ++i;
         const GridVertex& next = wanted(from(i));
         const std::array<std::int64_t, 4> along{next.y, next.x, frame_.height - next.y, frame_.width - next.x};
-        at += 1 + limited(gap_.code(coder_, along[static_cast<std::size_t>(side)] - at - 1));
+        at += 1 + limited(models_.gap.code(coder_, along[static_cast<std::size_t>(side)] - at - 1));
         if (at > length || at < 1) return fail();
         if (side == 3 && at == length) break;
         const std::array<std::array<std::int64_t, 2>, 4> places{
             {{0, at}, {at, frame_.height}, {frame_.width, frame_.height - at}, {frame_.width - at, 0}}};
         const auto [x, y] = places[static_cast<std::size_t>(side)];
-        if (!add_vertex(x, y, code_height(height_, last_z_, from(i)), from(i))) return false;
+        if (!add_vertex(x, y, code_height(models_.height, last_z_, from(i)), from(i))) return false;
         last = front_.insert(static_cast<std::uint32_t>(mesh_.vertices.size() - 1), half(i), last, TinFront::kNone);
       }
     }
@@ -126,16 +126,16 @@ class TinWalk {
       if (border && number_[source_->origin(next_half_)] == kUnknown) half = next_half_;
       ++next_half_;
     }
-    if (!coder_.bit(more_, half != TinSource::kNone)) return false;
+    if (!coder_.bit(models_.more, half != TinSource::kNone)) return false;
     const std::uint32_t a = writing() ? source_->origin(half) : 0;
     const std::uint32_t b = writing() ? source_->origin(TinSource::following(half)) : 0;
     const auto number = static_cast<std::uint32_t>(mesh_.vertices.size());
     const std::int64_t x = code_even(wanted(a).x, frame_.width);
     const std::int64_t y = code_even(wanted(a).y, frame_.height);
-    if (!add_vertex(x, y, code_height(first_height_, last_z_, a), a)) return false;
-    const std::int64_t dx = limited(start_[0].code(coder_, wanted(b).x - x));
-    const std::int64_t dy = limited(start_[1].code(coder_, wanted(b).y - y));
-    if (!add_vertex(x + dx, y + dy, code_height(height_, last_z_, b), b)) return false;
+    if (!add_vertex(x, y, code_height(models_.first_height, last_z_, a), a)) return false;
+    const std::int64_t dx = limited(models_.start[0].code(coder_, wanted(b).x - x));
+    const std::int64_t dy = limited(models_.start[1].code(coder_, wanted(b).y - y));
+    if (!add_vertex(x + dx, y + dy, code_height(models_.height, last_z_, b), b)) return false;
     const Index first = front_.insert(number, half, TinFront::kNone, TinFront::kNone);
     const Index second = front_.insert(number + 1, TinSource::kNone, first, first);
     front_.link(second, first, TinSource::kNone);
@@ -166,7 +166,8 @@ class TinWalk {
     // The third vertex, as a number of the walk.
     const std::uint32_t third = writing() ? number_[apex(half)] : kUnknown;
     if (before == after) {
-      const bool closed = front_[before].open && front_[end].open && coder_.bit(last_, third == front_[before].vertex);
+      const bool closed =
+          front_[before].open && front_[end].open && coder_.bit(models_.last, third == front_[before].vertex);
       if (closed) {
         add_triangle(gate, end, front_[before].vertex);
         for (const Index i : {gate, end, before}) front_.remove(i);
@@ -175,21 +176,22 @@ class TinWalk {
     } else {
       const auto turn = static_cast<std::size_t>(front_.turn(gate));
       const auto end_turn = static_cast<std::size_t>(front_.turn(end));
-      if (front_[before].open && turn < 6 && coder_.bit(back_[turn][group(end_turn)], third == front_[before].vertex)) {
+      if (front_[before].open && turn < 6 &&
+          coder_.bit(models_.back[turn][group(end_turn)], third == front_[before].vertex)) {
         add_triangle(gate, end, front_[before].vertex);
         front_.remove(gate);
         front_.link(before, end, beyond(half, 1));
         return true;
       }
       if (front_[end].open && end_turn < 6 &&
-          coder_.bit(ahead_[end_turn][group(turn)], third == front_[after].vertex)) {
+          coder_.bit(models_.ahead[end_turn][group(turn)], third == front_[after].vertex)) {
         add_triangle(gate, end, front_[after].vertex);
         front_.remove(end);
         front_.link(gate, after, beyond(half, 2));
         return true;
       }
       // Of two nodes that is what turn() says.
-      if (before != end && !coder_.bit(new_[turn > 3 ? 1 : 0], third == kUnknown)) return split(gate, third);
+      if (before != end && !coder_.bit(models_.fresh[turn > 3 ? 1 : 0], third == kUnknown)) return split(gate, third);
     }
     return third == kUnknown && code_vertex(gate);
   }
@@ -218,7 +220,7 @@ class TinWalk {
     const bool at_side = (a.x == b.x && ((a.x == 0 && b.y < a.y) || (a.x == frame_.width && b.y > a.y))) ||
                          (a.y == b.y && ((a.y == 0 && b.x > a.x) || (a.y == frame_.height && b.x < a.x)));
     const std::size_t closed = (front_[front_[gate].previous].open ? 0U : 1U) + (front_[end].open ? 0U : 2U);
-    if (!at_side && !coder_.bit(border_[closed][group(static_cast<std::size_t>(front_.turn(gate)))],
+    if (!at_side && !coder_.bit(models_.border[closed][group(static_cast<std::size_t>(front_.turn(gate)))],
                                 front_[gate].half == TinSource::kNone)) {
       return false;
     }
@@ -232,15 +234,15 @@ class TinWalk {
     const std::uint32_t from = writing() ? apex(half) : 0;
     const PlaceGuess guess(front_, gate, doubled_area_, frame_.width, frame_.height);
     auto offset = guess.offset_of(wanted(from));
-    offset.across = code_offset(across_, offset.across, guess.even_digits());
-    offset.along = code_offset(along_, offset.along, guess.even_digits());
+    offset.across = code_offset(models_.across, offset.across, guess.even_digits());
+    offset.along = code_offset(models_.along, offset.along, guess.even_digits());
     const auto [x, y] = guess.place_at(offset);
     if (x < 0 || y < 0 || x > frame_.width || y > frame_.height) return fail();
     const GridVertex at{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), 0};
     const std::int64_t area = doubled_area(front_.point(gate), front_.point(end), at);
     doubled_area_ = area <= 0 ? doubled_area_ : doubled_area_ == 0 ? area : (6 * doubled_area_ + area) / 7;
     const auto number = static_cast<std::uint32_t>(mesh_.vertices.size());
-    if (!add_vertex(x, y, code_height(height_, guess_height(front_, gate, at), from), from)) return false;
+    if (!add_vertex(x, y, code_height(models_.height, guess_height(front_, gate, at), from), from)) return false;
     add_triangle(gate, end, number);
     const Index node = front_.insert(number, beyond(half, 1), gate, end);
     front_.link(gate, node, beyond(half, 2));
@@ -265,7 +267,7 @@ class TinWalk {
       if (front_[ahead].vertex == third || front_[back].vertex == third) break;
     }
     const std::int64_t wish = writing() && front_[ahead].vertex != third ? -1 - steps : steps;
-    const std::int64_t coded = split_.code(coder_, wish);
+    const std::int64_t coded = models_.split.code(coder_, wish);
     for (std::int64_t left = writing() ? 0 : coded < 0 ? -coded : coded + 1; left > 0; --left) {
       if (!advance()) return fail();
     }
@@ -288,19 +290,7 @@ class TinWalk {
   std::int64_t doubled_area_ = 0;
   bool sound_ = true;
 
-  QuickBitModel more_;
-  QuickBitModel last_;
-  QuickBitModel new_[2];
-  QuickBitModel border_[4][3];
-  QuickBitModel back_[TinFront::kTurns][3];
-  QuickBitModel ahead_[TinFront::kTurns][3];
-  Number first_height_;
-  Number height_;
-  Number gap_;
-  Number start_[2];
-  Number across_;
-  Number along_;
-  Number split_;
+  TinModels models_;
 };
 
 }  // namespace tintree::codec
