@@ -83,6 +83,9 @@ Expected<TileMesh> CodedTinMesh::decode(std::span<const std::byte> bytes) const 
   bytes = bytes.subspan(2);
   TinFrame frame;
   if (!take_signed_varint(bytes, mesh.z_offset) || !take_frame(bytes, frame)) return refuse();
+  // A vertex takes about 12 bits or more.
+  mesh.vertices.reserve(bytes.size() * 2 / 3);
+  mesh.triangles.reserve(bytes.size() * 4 / 3);
   RangeDecoder decoder(bytes);
   const auto walk = std::make_unique<TinWalk<RangeDecoder>>(decoder, frame, nullptr, mesh);
   if (!walk->run() || !decoder.finished()) return refuse();

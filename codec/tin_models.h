@@ -30,6 +30,13 @@ struct TinModels {
   Number along;
   Number split;
 
+  /// As every mesh begins.
+  static const TinModels& begun() {
+    static const TinModels models;
+    return models;
+  }
+
+ private:
   TinModels() {
     repeat(last, 8, 8);
     for (QuickBitModel& model : fresh) repeat(model, 8, 8);
@@ -46,7 +53,6 @@ struct TinModels {
     learn(split, {-6, -3, -2, -1, -1, -1, -1, 0, 1, 5});
   }
 
- private:
   /// A coder without bytes.
   struct Learner {
     bool bit(QuickBitModel& model, bool value) {

@@ -290,7 +290,7 @@ class TinWalk {
   std::int64_t doubled_area_ = 0;
   bool sound_ = true;
 
-  TinModels models_;
+  TinModels models_ = TinModels::begun();
 };
 
 }  // namespace tintree::codec
