@@ -11,6 +11,7 @@
 #include <draco/compression/encode.h>
 #include <draco/mesh/mesh.h>
 
+#include "codec/coded_tin_mesh.h"
 #include "codec/draco_stream.h"
 #include "codec/varint.h"
 
@@ -77,6 +78,7 @@ Expected<std::vector<std::byte>> DracoMesh::encode(const TileMesh& mesh) const {
 }
 
 Expected<TileMesh> DracoMesh::decode(std::span<const std::byte> bytes) const {
+  if (!bytes.empty() && bytes.front() == kTinCoded) return CodedTinMesh().decode(bytes);
   TileMesh mesh;
   if (bytes.size() < 3) return fail(ErrorCode::kBadData, "the payload is cut short");
   if (bytes[0] != kPayloadVersion)

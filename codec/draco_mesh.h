@@ -10,6 +10,7 @@ namespace tintree::codec {
 class DracoMesh final : public MeshCodec {
  public:
   Expected<std::vector<std::byte>> encode(const TileMesh& mesh) const override;
+  /// Of either payload version, this one and CodedTinMesh's.
   Expected<TileMesh> decode(std::span<const std::byte> bytes) const override;
 };
 

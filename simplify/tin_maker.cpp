@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "codec/coded_tin_mesh.h"
 #include "simplify/finish_tile.h"
 
 namespace tintree::simplify {
@@ -93,6 +94,11 @@ Expected<codec::TileMesh> TinMaker::make(const codec::TileId& id) {
   collapse_.run(mesh_, distance, spec);
   if (view_.error()) return tl::unexpected(*view_.error());
   return take_mesh(id, sub_bits);
+}
+
+Expected<std::vector<std::byte>> TinMaker::encode(const codec::MeshCodec& codec, const codec::TileId& /*id*/,
+                                                  const codec::TileMesh& mesh) {
+  return effort_ == Effort::kBest ? codec::CodedTinMesh().encode(mesh) : codec.encode(mesh);
 }
 
 /// From whole samples to 2^-sub_bits of them.

@@ -10,13 +10,15 @@ namespace tintree::simplify {
 
 /// Method `tin` (Wahl et al. 2004): a tile starts from right triangles at its bound over its own window of the
 /// DEM, takes over the settled vertices of its four sides, and is simplified by edge collapse against the DEM
-/// itself.
+/// itself. With the best effort its payload is CodedTinMesh's, with the fast one DracoMesh's.
 class TinMaker final : public TileMaker {
  public:
   TinMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort effort = Effort::kFast,
            const StopFlag* stop = nullptr);
 
   Expected<codec::TileMesh> make(const codec::TileId& id) override;
+  Expected<std::vector<std::byte>> encode(const codec::MeshCodec& codec, const codec::TileId& id,
+                                          const codec::TileMesh& mesh) override;
 
  private:
   void settle_side(RightTriangleMesh& start, const Side& side, const LevelGrid& level, const codec::TileId& id);

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "codec/coded_tin_mesh.h"
+#include "tests/codec/random_mesh.h"
 #include "tests/simplify/support.h"
 #include "tests/support/adversarial_terrain.h"
 
@@ -45,6 +47,24 @@ TEST_P(TinMakerTest, KeepsItsPromises) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, TinMakerTest, testing::ValuesIn(test::everyday_terrains()),
                          [](const auto& shape) { return shape.param.name; });
+
+TEST_P(TinMakerTest, StoresWithTheBestEffortWhatItHasMade) {
+  const Terrain terrain = test::make_terrain(GetParam().columns, GetParam().rows, GetParam().height);
+  const codec::MeshCodec& codec = *codec::find_codec("tin");
+  const codec::TreeLayout layout = test::make_layout(terrain, 32, 1);
+  TinMaker maker(*terrain.surface, layout, Effort::kBest);
+  for (const TileId& id : test::tiles_of(layout)) {
+    const TileMesh mesh = make(maker, id);
+    if (mesh.triangles.empty()) continue;
+    const auto bytes = maker.encode(codec, id, mesh);
+    ASSERT_TRUE(bytes.has_value()) << bytes.error().text();
+    EXPECT_EQ(bytes->front(), codec::kTinCoded);
+    const auto back = codec.decode(*bytes);
+    ASSERT_TRUE(back.has_value()) << back.error().text();
+    EXPECT_EQ(test::triangle_set(*back), test::triangle_set(mesh));
+    EXPECT_EQ(back->vertices.size(), mesh.vertices.size());
+  }
+}
 
 TEST(TinMaker, KeepsItsPromisesOnRandomTerrain) {
   for (unsigned seed = 0; seed < 12; ++seed) {
