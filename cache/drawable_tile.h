@@ -77,8 +77,8 @@ struct MorphMesh {
   std::size_t bytes() const { return vertices.size() * sizeof(MorphVertex) + indices.size() * sizeof(std::uint32_t); }
 };
 
-/// A tile ready for upload: a mesh, or a NativeGround; or, on a square in a leaf, a finer texture of it, with `pictures`
-/// only. Immutable once made.
+/// A tile ready for upload: a mesh, or a NativeGround; or, on a square in a leaf, a finer texture of it, with
+/// `pictures` only. Immutable once made.
 struct DrawableTile {
   codec::TileId id;
   codec::GridFrame frame;  ///< Takes the vertices' addresses to metres.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cache/drawable_tile.h"
+#include "cache/nested_borders.h"
 #include "codec/nested_points.h"
 #include "codec/sparse_grid.h"
 #include "codec/split_hierarchy.h"
@@ -83,7 +84,8 @@ class ShapeMaker {
     if (parent_ == nullptr) choose_own_levels();
     order_points();
     add_vertices();
-    add_borders();
+    shape_.skirt_sides = outline_.sides;
+    add_nested_borders(shape_, outline_);
     return std::move(shape_);
   }
 
@@ -294,22 +296,6 @@ class ShapeMaker {
     out.coarse_normals = {packed<std::int8_t>(p.normals[1][0]), packed<std::int8_t>(p.normals[1][1]),
                           packed<std::int8_t>(p.normals[2][0]), packed<std::int8_t>(p.normals[2][1])};
     return out;
-  }
-
-  void add_borders() {
-    shape_.skirt_sides = outline_.sides;
-    const int digits = shift_ + 1;
-    for (std::uint32_t v = 0; v < shape_.vertices.size(); ++v) {
-      const std::int32_t x = shape_.vertices[v].x();
-      const std::int32_t y = shape_.vertices[v].y();
-      const BorderVertex eastward{2 * frame_.column0 + (std::int64_t{x} << digits), v};
-      const BorderVertex southward{2 * frame_.row0 + (std::int64_t{y} << digits), v};
-      if (x == 0) shape_.borders[0].push_back(southward);
-      if (y == 0) shape_.borders[1].push_back(eastward);
-      if (x == outline_.east) shape_.borders[2].push_back(southward);
-      if (y == outline_.south) shape_.borders[3].push_back(eastward);
-    }
-    for (auto& border : shape_.borders) std::ranges::sort(border, {}, &BorderVertex::along);
   }
 
   const codec::TileMesh& mesh_;

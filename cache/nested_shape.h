@@ -31,6 +31,8 @@ static_assert(sizeof(NestedVertex) == 24);
 struct BorderVertex {
   std::int64_t along = 0;  ///< Its place along the side's line, in half samples of the DEM.
   std::uint32_t vertex = 0;
+  /// Bit i: on level i surface lies along the side from here to the level's next vertex on it.
+  std::uint16_t joined_levels = 0;
 };
 
 /// A tile of method `nested` ready to be drawn at nine levels of detail (Schneider and Westermann 2006), on whichever

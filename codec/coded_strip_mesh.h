@@ -13,8 +13,8 @@ class CodedStripMesh final : public MeshCodec {
   Expected<TileMesh> decode(std::span<const std::byte> bytes) const override;
 };
 
-/// The strip of a coded payload (version 3) as one of version 1, the same that StripMesh would have made of the mesh; one of
-/// version 1 as it is.
+/// The strip of a coded payload (version 3) as one of version 1, the same that StripMesh would have made of the mesh;
+/// one of version 1 as it is.
 Expected<std::vector<std::byte>> packed_strip(std::span<const std::byte> payload);
 
 }  // namespace tintree::codec

@@ -93,11 +93,15 @@ void NestedDrawer::set_look(Trees trees, const GpuTilePool& pool, const Style& s
   set_tile_look(*gl_, program_, pool, *tile.tile, trees[tile.draw->tree]->nodes()[tile.draw->node], *tile.draw, style);
 }
 
-std::vector<cache::BorderVertex> NestedDrawer::border(const Placed& tile, std::size_t side) const {
-  std::vector<cache::BorderVertex> out;
+std::vector<NestedDrawer::Line> NestedDrawer::border(const Placed& tile, std::size_t side) const {
+  std::vector<Line> out;
   const std::size_t vertices = tile.shape->level_vertices(tile.draw->nested_level);
+  bool joined = false;
   for (const cache::BorderVertex& b : tile.shape->borders[side]) {
-    if (b.vertex < vertices) out.push_back(b);
+    if (b.vertex >= vertices) continue;
+    if (!joined) out.emplace_back();
+    out.back().push_back(b);
+    joined = (b.joined_levels >> tile.draw->nested_level & 1) != 0;
   }
   return out;
 }
@@ -105,10 +109,15 @@ std::vector<cache::BorderVertex> NestedDrawer::border(const Placed& tile, std::s
 std::vector<NestedDrawer::StitchVertex> NestedDrawer::stitches(const Placed& tile, const Placed& neighbour,
                                                                std::size_t side) const {
   std::vector<StitchVertex> out;
-  for (const auto& triangle : stitch(border(tile, side), border(neighbour, (side + 2) % 4))) {
-    for (const StitchCorner& c : triangle) {
-      const auto second = static_cast<std::uint16_t>(c.other ? 1 : 0);
-      out.push_back({(c.other ? neighbour : tile).shape->vertices[c.vertex], second, 0});
+  const std::vector<Line> others = border(neighbour, (side + 2) % 4);
+  for (const Line& line : border(tile, side)) {
+    for (const Line& other : others) {
+      for (const auto& triangle : stitch(line, other)) {
+        for (const StitchCorner& c : triangle) {
+          const auto second = static_cast<std::uint16_t>(c.other ? 1 : 0);
+          out.push_back({(c.other ? neighbour : tile).shape->vertices[c.vertex], second, 0});
+        }
+      }
     }
   }
   return out;
@@ -116,12 +125,13 @@ std::vector<NestedDrawer::StitchVertex> NestedDrawer::stitches(const Placed& til
 
 std::vector<NestedDrawer::StitchVertex> NestedDrawer::skirt(const Placed& tile, std::size_t side) const {
   std::vector<StitchVertex> out;
-  const std::vector<cache::BorderVertex> line = border(tile, side);
-  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
-    const cache::NestedVertex& a = tile.shape->vertices[line[i].vertex];
-    const cache::NestedVertex& b = tile.shape->vertices[line[i + 1].vertex];
-    const std::uint16_t foot = kSkirtSides[side];
-    out.insert(out.end(), {{a, 0, 0}, {b, 0, 0}, {a, 0, foot}, {a, 0, foot}, {b, 0, 0}, {b, 0, foot}});
+  const std::uint16_t foot = kSkirtSides[side];
+  for (const Line& line : border(tile, side)) {
+    for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+      const cache::NestedVertex& a = tile.shape->vertices[line[i].vertex];
+      const cache::NestedVertex& b = tile.shape->vertices[line[i + 1].vertex];
+      out.insert(out.end(), {{a, 0, 0}, {b, 0, 0}, {a, 0, foot}, {a, 0, foot}, {b, 0, 0}, {b, 0, foot}});
+    }
   }
   return out;
 }

@@ -51,6 +51,7 @@ class NestedDrawer {
     std::uint16_t second = 0;
     std::uint16_t skirt_sides = 0;
   };
+  using Line = std::vector<cache::BorderVertex>;
   /// Of one of the two tiles that vertices may belong to.
   struct Places {
     GLint address_to_eye, coarse_units, fine_units, detail;
@@ -63,7 +64,8 @@ class NestedDrawer {
   void set_look(Trees trees, const GpuTilePool& pool, const Style& style, const Placed& tile) const;
   void draw_sides(const Camera& camera, Trees trees, const LodCut& cut, const GpuTilePool& pool, const Style& style,
                   const Placed& tile, const Neighbours& drawn) const;
-  std::vector<cache::BorderVertex> border(const Placed& tile, std::size_t side) const;
+  /// What surface joins along a side.
+  std::vector<Line> border(const Placed& tile, std::size_t side) const;
   std::vector<StitchVertex> stitches(const Placed& tile, const Placed& neighbour, std::size_t side) const;
   std::vector<StitchVertex> skirt(const Placed& tile, std::size_t side) const;
   void draw_side(const std::vector<StitchVertex>& vertices) const;

@@ -20,9 +20,9 @@ struct StitchCorner {
 };
 
 /// Triangles that fill what is open between the outlines of two tiles along a line, seen from above of no area
-/// (Schneider and Westermann 2006, section 5). Both lists in ascending order; `other` may reach beyond `one`, and is
-/// used from one vertex before it to one behind, so that neighbouring stitches overlap. None where a list has under two
-/// vertices.
+/// (Schneider and Westermann 2006, section 5). Both lists in ascending order, of vertices that surface joins; `other`
+/// is used from one vertex before `one` to one behind it, so that neighbouring stitches overlap, and `one` no farther
+/// than `other` reaches. None where a list has under two vertices, or they do not overlap.
 std::vector<std::array<StitchCorner, 3>> stitch(std::span<const BorderVertex> one, std::span<const BorderVertex> other);
 
 }  // namespace tintree::render

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -23,14 +24,16 @@ struct Made {
   NestedShape shape;
 };
 
-Made make(const codec::TileId& id, const NestedShape* parent) {
-  Made out{NestedTree::mesh(id), {}, {}};
+Made make(const codec::TileId& id, const NestedShape* parent, codec::TileMesh mesh) {
+  Made out{std::move(mesh), {}, {}};
   out.drawable = make_drawable(NestedTree::layout(), id, out.mesh);
   EXPECT_TRUE(can_have_nested_shape(NestedTree::layout(), id, out.mesh));
   out.shape =
       make_nested_shape(NestedTree::layout(), id, out.mesh, out.drawable, NestedTree::error_m(id.level), 0, parent);
   return out;
 }
+
+Made make(const codec::TileId& id, const NestedShape* parent) { return make(id, parent, NestedTree::mesh(id)); }
 
 /// Height of a triangle over a place, if it lies there.
 std::optional<double> height_in(const std::array<std::array<double, 3>, 3>& t, double x, double y) {
@@ -113,6 +116,41 @@ TEST(NestedShape, WithoutAParentItsOwnLevelsKeepTheirBounds) {
     }
   }
   EXPECT_LT(leaf.shape.level_vertices(3), leaf.shape.level_vertices(8) / 4);
+}
+
+TEST(NestedShape, BordersAreJoinedWhereThereIsSurface) {
+  const codec::TileId id{0, 0, 0};
+  const auto sea = [](std::int32_t x, std::int32_t y) {
+    return (x - 20) * (x - 20) + y * y < 60 || (x > 55 && y > 20 && y < 50);
+  };
+  const Made tile = make(id, nullptr, NestedTree::mesh(id, sea));
+  const NestedShape& shape = tile.shape;
+  const double spacing_m = NestedTree::kSpacing_m;
+  int open = 0;
+  int joined = 0;
+  for (std::size_t side = 0; side < 4; ++side) {
+    const bool north_south = side % 2 == 0;
+    const double line = side < 2 ? 0.01 : 256 - 0.01;  // just inside, in samples
+    for (int level = 0; level < NestedShape::kLevels; ++level) {
+      const BorderVertex* from = nullptr;
+      for (const BorderVertex& to : shape.borders[side]) {
+        if (to.vertex >= shape.level_vertices(level)) continue;
+        if (from != nullptr) {
+          const double middle = static_cast<double>(from->along + to.along) / 4;  // half samples
+          const double height = level_height_m(shape, level, (north_south ? line : middle) * spacing_m,
+                                               -(north_south ? middle : line) * spacing_m);
+          EXPECT_EQ((from->joined_levels >> level & 1) != 0, !std::isnan(height))
+              << side << " " << level << " " << middle;
+          ++(std::isnan(height) ? open : joined);
+        }
+        from = &to;
+      }
+      ASSERT_NE(from, nullptr);
+      EXPECT_EQ(from->joined_levels >> level & 1, 0);
+    }
+  }
+  EXPECT_GT(open, 4);
+  EXPECT_GT(joined, 100);
 }
 
 TEST(NestedShape, RefusesMeshesThatDoNotFillTheTile) {

@@ -41,6 +41,25 @@ TEST(Stitch, OverlapsItsNeighbours) {
   EXPECT_EQ(last, 9U);
 }
 
+TEST(Stitch, EndsWhereTheOtherLineDoes) {
+  std::vector<cache::BorderVertex> one;
+  for (std::uint32_t i = 0; i <= 16; ++i) one.push_back({4 * i, i});
+  const std::vector<cache::BorderVertex> other{{16, 100}, {22, 101}, {32, 102}};
+  std::uint32_t first = 99;
+  std::uint32_t last = 0;
+  for (const auto& t : stitch(one, other)) {
+    for (const StitchCorner& c : t) {
+      if (c.other) continue;
+      first = std::min(first, c.vertex);
+      last = std::max(last, c.vertex);
+    }
+  }
+  EXPECT_EQ(first, 4U);
+  EXPECT_EQ(last, 8U);
+  const std::vector<cache::BorderVertex> beyond{{64, 103}, {80, 104}};
+  EXPECT_TRUE(stitch(one, beyond).empty());
+}
+
 TEST(Stitch, NeedsTwoLines) {
   EXPECT_TRUE(stitch({}, {}).empty());
   const std::vector<cache::BorderVertex> one{{0, 1}};

@@ -22,7 +22,7 @@ from fitting import largest_within
 from panels import CHARTS
 from pareto import front
 from series import SERIES, Series
-from windows import WINDOWS
+from windows import Size, WINDOWS
 
 
 class Folder(unittest.TestCase):
@@ -170,6 +170,13 @@ class Resuming(Folder):
         self.assertEqual([(t.window.name, t.spacings) for t in full], [("california", 0.5), ("california", 1)])
         self.assertEqual(quick, [])
 
+    def test_large_rasters_are_built_by_fast_methods_alone(self):
+        fast, slow = (Series(name, "tree", "#000000", "o", most_samples=most) for name, most in (("fast", 1e9), ("slow", 1e8)))
+        with mock.patch.object(sweep, "SERIES", [fast, slow, Series("mesh", "mesh", "#000000", "o")]):
+            planned = sweep.tasks([Size(1025, 1025), Size(32769, 16385)], {"size"}, False)
+        self.assertEqual([(t.series.name, t.window.columns) for t in planned], [("fast", 1025), ("slow", 1025), ("fast", 32769)])
+        self.assertEqual(len({str(t.name) for t in planned}), 3)
+
 
 def canned_records():
     for data in ("california", "moon", "rainier"):
@@ -185,6 +192,8 @@ def canned_records():
                     drawn = {"frame_seconds": 0.01 * error, "view_peak_rss_bytes": 10**8, "max_error_px": 10 / error}
                     yield {"kind": "frame", **common, **drawn, "samples_max_m": error, "rms_m": error / 3}
                     yield {"kind": "view", **common, **drawn, "pixel_error": error / 10}
+                    yield {"kind": "size", **common, "samples": 10**5 * error, "wall_s": error, "cpu_seconds": 2 * error,
+                           "tree_bytes": 10**4 * error, "peak_rss_bytes": 10**8}
 
 
 class Drawing(Folder):

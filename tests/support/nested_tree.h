@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,9 @@ struct NestedTree {
 
   /// Every 4th sample of a leaf, every 2nd below the root, every 4th of the root, coming level by level as triangles
   /// are halved.
-  static codec::TileMesh mesh(const codec::TileId& id) {
+  /// `hole`: places of the tile, 0 to 64, that are left out.
+  static codec::TileMesh mesh(const codec::TileId& id,
+                              const std::function<bool(std::int32_t, std::int32_t)>& hole = nullptr) {
     const codec::TreeLayout l = layout();
     const std::int64_t step = l.cells_across(id.level) / 64;
     const std::int32_t apart = id.level == 2 ? 4 : 1;
@@ -46,7 +49,7 @@ struct NestedTree {
       const double east = static_cast<double>((id.x * 64 + x) * step) * kSpacing_m;
       const double south = static_cast<double>((id.y * 64 + y) * step) * kSpacing_m;
       points.add({x, y, static_cast<std::int32_t>(std::lround((ground_m(east, -south) + 100) / kStep_m)),
-                  static_cast<std::uint8_t>(level), false});
+                  static_cast<std::uint8_t>(level), hole && hole(x, y)});
     };
     for (std::int32_t i = 0; i < codec::NestedPoints::kBasePoints; ++i) {
       const auto [x, y] = points.base_place(i);
