@@ -24,40 +24,31 @@ TEST(Stitch, FillsBetweenTwoLines) {
   EXPECT_EQ(uses.size(), 5U);
 }
 
-TEST(Stitch, OverlapsItsNeighbours) {
-  std::vector<cache::BorderVertex> other;
-  for (std::uint32_t i = 0; i <= 16; ++i) other.push_back({4 * i, i});
-  const std::vector<cache::BorderVertex> one{{16, 100}, {22, 101}, {32, 102}};
-  std::uint32_t first = 99;
-  std::uint32_t last = 0;
-  for (const auto& t : stitch(one, other)) {
-    for (const StitchCorner& c : t) {
-      if (!c.other) continue;
-      first = std::min(first, c.vertex);
-      last = std::max(last, c.vertex);
-    }
-  }
-  EXPECT_EQ(first, 3U);
-  EXPECT_EQ(last, 9U);
+std::vector<cache::BorderVertex> long_line() {
+  std::vector<cache::BorderVertex> out;
+  for (std::uint32_t i = 0; i <= 16; ++i) out.push_back({4 * i, i});
+  return out;
 }
 
-TEST(Stitch, EndsWhereTheOtherLineDoes) {
-  std::vector<cache::BorderVertex> one;
-  for (std::uint32_t i = 0; i <= 16; ++i) one.push_back({4 * i, i});
-  const std::vector<cache::BorderVertex> other{{16, 100}, {22, 101}, {32, 102}};
-  std::uint32_t first = 99;
-  std::uint32_t last = 0;
-  for (const auto& t : stitch(one, other)) {
+/// The first and the last vertex of one of the lines that are used.
+std::pair<std::uint32_t, std::uint32_t> used(const std::vector<std::array<StitchCorner, 3>>& triangles, bool other) {
+  std::pair<std::uint32_t, std::uint32_t> out{99, 0};
+  for (const auto& t : triangles) {
     for (const StitchCorner& c : t) {
-      if (c.other) continue;
-      first = std::min(first, c.vertex);
-      last = std::max(last, c.vertex);
+      if (c.other == other) out = {std::min(out.first, c.vertex), std::max(out.second, c.vertex)};
     }
   }
-  EXPECT_EQ(first, 4U);
-  EXPECT_EQ(last, 8U);
+  return out;
+}
+
+const std::vector<cache::BorderVertex> kShort{{16, 100}, {22, 101}, {32, 102}};
+
+TEST(Stitch, OverlapsItsNeighbours) { EXPECT_EQ(used(stitch(kShort, long_line()), true), std::pair(3U, 9U)); }
+
+TEST(Stitch, EndsWhereTheOtherLineDoes) {
+  EXPECT_EQ(used(stitch(long_line(), kShort), false), std::pair(4U, 8U));
   const std::vector<cache::BorderVertex> beyond{{64, 103}, {80, 104}};
-  EXPECT_TRUE(stitch(one, beyond).empty());
+  EXPECT_TRUE(stitch(long_line(), beyond).empty());
 }
 
 TEST(Stitch, NeedsTwoLines) {
