@@ -6,44 +6,22 @@
 #include <vector>
 
 #include "codec/wavelet_patch.h"
+#include "render/square_texture.h"
 
 namespace tintree::render {
 namespace {
 
-/// One layout of texels.
-struct Texels {
-  GLenum stored_as;
-  GLenum channels;
-  GLenum type;
-  GLint filter;
-};
 constexpr Texels kHeights{GL_R32I, GL_RED_INTEGER, GL_INT, GL_NEAREST};
-constexpr Texels kNormals{GL_RG16F, GL_RG, GL_HALF_FLOAT, GL_LINEAR};
 constexpr Texels kBytes{GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, GL_NEAREST};
 constexpr Texels kWords{GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, GL_NEAREST};
 
-/// A square texture that is bound.
-GLuint make_texture(const GlFunctions& gl, const Texels& texels, int size, const void* values) {
-  GLuint id = 0;
-  gl.GenTextures(1, &id);
-  gl.BindTexture(GL_TEXTURE_2D, id);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, texels.filter);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, texels.filter);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(texels.stored_as), size, size, 0, texels.channels, texels.type,
-                values);
-  return id;
-}
-
 GLuint make_numbers(const GlFunctions& gl, const codec::PatchResidual& residual) {
-  if (!residual.wide_numbers.empty()) return make_texture(gl, kWords, residual.side, residual.wide_numbers.data());
-  if (!residual.numbers.empty()) return make_texture(gl, kBytes, residual.side, residual.numbers.data());
+  if (!residual.wide_numbers.empty())
+    return make_square_texture(gl, kWords, residual.side, residual.wide_numbers.data());
+  if (!residual.numbers.empty()) return make_square_texture(gl, kBytes, residual.side, residual.numbers.data());
   const std::vector<std::uint8_t> none(static_cast<std::size_t>(residual.side) *
                                        static_cast<std::size_t>(residual.side));
-  return make_texture(gl, kBytes, residual.side, none.data());
+  return make_square_texture(gl, kBytes, residual.side, none.data());
 }
 
 int nodes(const cache::TileRelief& relief) { return relief.residual.side - 2 * codec::kPatchMargin + 1; }
@@ -92,7 +70,7 @@ GLuint PatchReconstructor::make_heights(const cache::TileRelief& relief, GLuint 
   const codec::PatchResidual& residual = relief.residual;
   const int own = residual.side - 2 * codec::kPatchMargin;
   gl_->ActiveTexture(GL_TEXTURE0);
-  const GLuint out = make_texture(*gl_, kHeights, residual.side, nullptr);
+  const GLuint out = make_square_texture(*gl_, kHeights, residual.side, nullptr);
   const GLuint numbers = make_numbers(*gl_, residual);
   gl_->ActiveTexture(GL_TEXTURE1);
   gl_->BindTexture(GL_TEXTURE_2D, parent_heights);
@@ -113,9 +91,9 @@ GLuint PatchReconstructor::make_normals(const cache::TileRelief& relief, GLuint 
   const auto& [west, north, east, south] = relief.on_raster;
   const auto& s = relief.slopes;
   gl_->ActiveTexture(GL_TEXTURE0);
-  const GLuint out = make_texture(*gl_, kNormals, nodes(relief), nullptr);
+  const GLuint out = make_square_texture(*gl_, kNormalTexels, nodes(relief), nullptr);
   GLuint surface = 0;
-  if (!relief.surface.empty()) surface = make_texture(*gl_, kBytes, relief.residual.side, relief.surface.data());
+  if (!relief.surface.empty()) surface = make_square_texture(*gl_, kBytes, relief.residual.side, relief.surface.data());
   gl_->BindTexture(GL_TEXTURE_2D, surface);
   gl_->ActiveTexture(GL_TEXTURE1);
   gl_->BindTexture(GL_TEXTURE_2D, heights);

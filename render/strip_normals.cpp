@@ -4,23 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "render/square_texture.h"
+
 namespace tintree::render {
 namespace {
 
-/// A square texture that is bound to unit 0.
-GLuint make_texture(const GlFunctions& gl, GLenum stored_as, GLenum channels, GLint filter, int texels) {
-  GLuint id = 0;
-  gl.ActiveTexture(GL_TEXTURE0);
-  gl.GenTextures(1, &id);
-  gl.BindTexture(GL_TEXTURE_2D, id);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(stored_as), texels, texels, 0, channels, GL_FLOAT, nullptr);
-  return id;
-}
+constexpr Texels kSums{GL_RGBA32F, GL_RGBA, GL_FLOAT, GL_NEAREST};
 
 /// Texels from side to side of the tile: a power of two, so that places lie on texels or halfway between.
 int intervals(const codec::StripHead& head) {
@@ -68,7 +57,8 @@ GLuint StripNormals::make(const codec::StripHead& head, const codec::GridFrame& 
   };
 
   const int places = (1 << head.levels) + 1;
-  const GLuint sums = make_texture(gl, GL_RGBA32F, GL_RGBA, GL_NEAREST, places);
+  gl.ActiveTexture(GL_TEXTURE0);
+  const GLuint sums = make_square_texture(gl, kSums, places, nullptr);
   const double step = std::ldexp(1.0, frame.xy_shift);
   const auto metres = [&](double axis, double spacing_m) { return static_cast<float>(axis * spacing_m * step); };
   sums_.use();
@@ -85,7 +75,7 @@ GLuint StripNormals::make(const codec::StripHead& head, const codec::GridFrame& 
   gl.Disable(GL_BLEND);
 
   const int texels = intervals(head) + 1;
-  const GLuint out = make_texture(gl, GL_RG16F, GL_RG, GL_LINEAR, texels);
+  const GLuint out = make_square_texture(gl, kNormalTexels, texels, nullptr);
   gl.BindTexture(GL_TEXTURE_2D, sums);
   normals_.use();
   gl.Uniform1i(normals_.uniform("sums"), 0);
