@@ -121,7 +121,7 @@ class Sweep:
         """Measures what is not in the store. Their records, in the plan's order, are in `done`, what failed in `failed`."""
         keys = {task: self.key(task) for task in planned}
         missing = [task for task in planned if self.store.get(keys[task]) is None]
-        missing.sort(key=lambda task: task.typical_seconds)  # the slow ones last
+        missing.sort(key=lambda task: (task.kind == "frame", task.typical_seconds))  # slow ones last; frames need their levels
         progress = Progress(len(planned), {task: self._expected_seconds(task) for task in missing})
         for task in missing:
             progress.begin(task, task.text())
