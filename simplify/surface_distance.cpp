@@ -84,6 +84,50 @@ std::int64_t square_start(double low, std::int64_t origin, int cells) {
   return (v & ~(std::int64_t{cells} - 1)) - origin;
 }
 
+/// The squares of each row, of those over an extent, that lie outside none of a triangle's sides, or touch one from
+/// outside.
+class SquareRows {
+ public:
+  /// `first` is the extent's north-western square.
+  SquareRows(const TrianglePlane& plane, const Extent& first, const Extent& extent)
+      : end_(static_cast<std::int64_t>(std::ceil((extent.x1 - first.x0) / (first.x1 - first.x0)))) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const TrianglePlane::Side& s = plane.sides[k];
+      // In squares from the first one eastward, where the row reaches farthest inside.
+      const double unit = s.x == 0 ? 1 : 1 / (std::abs(s.x) * (first.x1 - first.x0));
+      sides_[k] = {s.at(s.x > 0 ? first.x1 : first.x0, s.y > 0 ? first.y1 : first.y0) * unit, s.y * unit, s.x};
+    }
+  }
+
+  struct Columns {
+    std::int64_t first;
+    std::int64_t end;
+  };
+  /// Squares are counted from the extent's first one eastward; of the row that begins `y` samples south of it.
+  Columns at(std::int64_t y) const {
+    double first = 0;
+    double last = static_cast<double>(end_ - 1);
+    for (const Side& s : sides_) {
+      const double inside = s.start + static_cast<double>(y) * s.per_row;
+      if (s.x > 0) first = std::max(first, -inside);
+      if (s.x < 0) last = std::min(last, inside);
+      if (s.x == 0 && inside < 0) return {0, 0};
+    }
+    if (last + kSlack < 0) return {0, 0};
+    // Rounded up and down.
+    return {static_cast<std::int64_t>(first + (1 - kSlack)), static_cast<std::int64_t>(last + kSlack) + 1};
+  }
+
+ private:
+  static constexpr double kSlack = 1e-6;
+
+  struct Side {
+    double start, per_row, x;
+  };
+  std::array<Side, 3> sides_;
+  std::int64_t end_;
+};
+
 }  // namespace
 
 template <typename Visit>
@@ -112,16 +156,16 @@ void SurfaceDistance::add_squares(int size, std::uint32_t plane, const Extent& e
   const std::int64_t west = square_start(extent.x0, window_.column0(), cells);
   const std::int64_t north = square_start(extent.y0, window_.row0(), cells);
   std::vector<Square>& list = squares_[static_cast<std::size_t>(size)];
-  const TrianglePlane& triangle = planes_[plane];
+  const SquareRows rows(planes_[plane], square_extent(west, north, cells), extent);
   for (std::int64_t y = north; static_cast<double>(y) < extent.y1; y += cells) {
+    const SquareRows::Columns columns = rows.at(y - north);
     const int row = static_cast<int>((window_.row0() + y) & 255);
-    const BlockPatches* block = nullptr;
-    for (std::int64_t x = west; static_cast<double>(x) < extent.x1; x += cells) {
+    const PlanePatch* patch = nullptr;
+    const std::int64_t end = west + columns.end * cells;
+    for (std::int64_t x = west + columns.first * cells; x < end; x += cells, ++patch) {
       const int column = static_cast<int>((window_.column0() + x) & 255);
-      if (block == nullptr || column == 0) block = &window_.patches_at(x, y);
-      if (triangle.misses(square_extent(x, y, cells))) continue;
-      const PlanePatch& patch = block->at(size, column, row);
-      if (!patch.empty()) list.push_back({&patch, x, y, plane});
+      if (patch == nullptr || column == 0) patch = &window_.patches_at(x, y).at(size, column, row);
+      if (!patch->empty()) list.push_back({patch, x, y, plane});
     }
   }
 }
