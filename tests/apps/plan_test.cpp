@@ -96,6 +96,13 @@ TEST_F(PlanTest, RefusesWhatABuildRefuses) {
   const ProgramResult fine = build({"--plan", "--error", "1e-9"});
   EXPECT_EQ(fine.exit_code, kBadData) << fine.all();
   expect_message(fine, {dem_, "heights differ by up to", "--error "});
+  const ProgramResult folder = run_program(TINTREE_BUILD, {dem_, "--plan", "-o", dir_.file("no/such.tintree")});
+  EXPECT_EQ(folder.exit_code, kIo) << folder.all();
+  expect_message(folder, {"no folder", dir_.file("no")});
+  write_raster(dem_, {.columns = 90, .rows = 70}, [](int, int) { return kMissing; });
+  const ProgramResult empty = build({"--plan"});
+  EXPECT_EQ(empty.exit_code, kBadData) << empty.all();
+  expect_message(empty, {dem_, "no surface"});
   fs::remove(dem_);
   const ProgramResult r = build({"--plan"});
   EXPECT_EQ(r.exit_code, kIo) << r.all();
