@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "codec/residual_plane.h"
 #include "codec/split_fans.h"
 #include "codec/wavelet_tiles.h"
 #include "simplify/neville_rows.h"
@@ -119,6 +120,23 @@ Expected<std::vector<std::byte>> WaveletMaker::encode(const codec::MeshCodec&, c
   const auto own = patch(id);
   if (!own) return tl::unexpected(own.error());
   return codec::encode_wavelet_tile(layout_, id, mesh, **own);
+}
+
+Expected<TileReader> WaveletMaker::stand_in_above(const codec::TileId& id) {
+  patches_ = {};
+  const codec::EncodedPatch level{codec::residual_bytes({}, {}), {layout_.tile_cells + 2 * codec::kPatchMargin, 0}};
+  if (id.level > 0) {
+    const codec::TileId parent = layout_.parent(id);
+    if (parent.level > 0) patches_.keep(layout_.parent(parent), std::make_shared<const codec::EncodedPatch>(level));
+    if (auto made = patch(parent); !made) return tl::unexpected(made.error());
+  }
+  return [this, level](const codec::TileId& wanted) -> Expected<cache::StoredTile> {
+    cache::StoredTile out;
+    out.info.id = wanted;
+    const auto known = patches_.find(wanted);
+    out.payload = known == nullptr ? level.bytes : known->bytes;
+    return out;
+  };
 }
 
 }  // namespace tintree::simplify
