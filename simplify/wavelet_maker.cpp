@@ -17,6 +17,10 @@
 namespace tintree::simplify {
 namespace {
 
+/// Patches with others below them keep to that part of their bound, which is twice the bound below: most of those then
+/// are foretold well enough, or nearly so.
+constexpr double kShareAbove = 0.4;
+
 /// The mesh on the coarsest address grid that holds it.
 Expected<codec::TileMesh> stored_mesh(const StartMesh& start, std::int64_t cells, const codec::TileId& id) {
   codec::TileMesh out;
@@ -102,7 +106,8 @@ Expected<std::shared_ptr<const codec::EncodedPatch>> WaveletMaker::patch(const c
   const double unit_m = layout_.z_step_m[static_cast<std::size_t>(id.level)] / codec::kUnitsAStep;
   codec::PatchSpec spec;
   spec.criterion = criterion_;
-  spec.bound = std::llround(layout_.bound_m(id.level) / unit_m);
+  const double share = id.level < layout_.leaf_level ? kShareAbove : 1;
+  spec.bound = std::llround(share * layout_.bound_m(id.level) / unit_m);
   spec.quick = true;
   spec.lifted = criterion_ == codec::PatchCriterion::kMax;
   const codec::Patch prediction =
