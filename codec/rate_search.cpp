@@ -19,7 +19,8 @@ constexpr int kMostEncodes = 8;
 constexpr double kAim = 0.99;
 constexpr double kEnough = 0.98;
 constexpr double kQuickAim = 0.95;
-/// A quick search divides the bound into so many steps of the quantiser, and lowers its loss by at least that at a time.
+/// A quick search divides the bound into so many steps of the quantiser, and lowers its loss by at least that at a
+/// time.
 constexpr std::int64_t kQuickSteps = 4;
 constexpr double kQuickRetry = 0.9;
 /// The largest difference is about so many times the root of their mean square.
