@@ -54,13 +54,6 @@ Expected<void> check(const BuildOptions& o) {
                          "is 1 for --method " + o.method + "; leave it out, or choose --method tin, strip or scalar",
                          "--levels-per-doubling");
   }
-  if (o.plan && o.method == "wavelet") {
-    return tintree::fail(
-        ErrorCode::kUsage,
-        "cannot judge --method wavelet, whose tiles build on those above them; plan --method tin, which "
-        "takes about as many bytes",
-        "--plan");
-  }
   if (o.threads < 0 || o.threads > 1024)
     return tintree::fail(ErrorCode::kUsage, "must lie between 0 (all cores) and 1024", "--threads");
   if (o.output.empty() && !o.plan) return tintree::fail(ErrorCode::kUsage, "is required (see --help)", "--output");

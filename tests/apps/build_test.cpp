@@ -230,7 +230,6 @@ TEST_F(BuildTest, RefusesWrongOptions) {
   expect_refused({"--method", "magic"}, kUsage, {"--method"});
   expect_refused({"--criterion", "max"}, kUsage, {"--criterion", "wavelet"});
   expect_refused({"--method", "wavelet", "--criterion", "mean"}, kUsage, {"--criterion"});
-  expect_refused({"--method", "wavelet", "--plan"}, kUsage, {"--plan", "--method tin"});
   for (const char* levels : {"0", "3", "some"})
     expect_refused({"--levels-per-doubling", levels}, kUsage, {"--levels-per-doubling"});
   for (const char* method : {"nested", "wavelet"})

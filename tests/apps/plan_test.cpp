@@ -40,6 +40,23 @@ TEST_F(PlanTest, ComesCloseToTheBuild) {
   }
 }
 
+/// Tiles of method wavelet build on those above them, of which a sample has none.
+TEST_F(PlanTest, ComesCloseForTilesThatBuildOnOthers) {
+  write_raster(dem_, {.columns = 700, .rows = 500, .dx = 10, .dy = 10},
+               [](int c, int r) { return c > 550 && r > 300 ? kMissing : hills(c, r, 50 + c / 5.0); });
+  for (const std::string criterion : {"rms", "max"}) {
+    SCOPED_TRACE(criterion);
+    const Words options = {"--method", "wavelet", "--criterion", criterion, "--tile", "64", "--overwrite"};
+    const json planned = plan(options);
+    ASSERT_NE(digest(options), "");
+    const json built = json::parse(read_file(report_));
+    for (const char* key : {"vertices", "triangles", "payload_bytes"}) {
+      EXPECT_NEAR(planned.at(key).get<double>() / built.at(key).get<double>(), 1, 0.2) << key;
+    }
+    EXPECT_LT(planned.at("levels").back().at("tiles_sampled"), planned.at("levels").back().at("tiles"));
+  }
+}
+
 TEST_F(PlanTest, OfAllTilesIsRight) {
   const json planned = plan();
   ASSERT_NE(digest(), "");
