@@ -76,7 +76,7 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
     makers.reliefs = std::move(*made);
   }
   if (has_strips(stores, options)) {
-    auto made = StripUnpacker::create(gl, GpuTilePool::kLargestPage);
+    auto made = StripUnpacker::create(gl, GpuPages::kLargestPage);
     if (!made) return tl::unexpected(made.error());
     makers.strips = std::move(*made);
   }
