@@ -15,8 +15,10 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "codec/nested_mesh.h"
 #include "render/terrain_scene.h"
 #include "tests/render/osmesa_test.h"
+#include "tests/render/write_tree.h"
 #include "tests/support/nested_tree.h"
 #include "tests/support/temp_dir.h"
 
@@ -31,7 +33,7 @@ constexpr int kHeight = 121;
 class NestedSceneTest : public OsMesaTest {
  protected:
   void SetUp() override {
-    NestedTree::write(dir_.file("nested.tintree"));
+    test::write_tree(dir_.file("nested.tintree"), "nested", codec::NestedMesh(), NestedTree());
     store_.emplace(std::move(*cache::TileStore::open(dir_.file("nested.tintree"))));
     target_.emplace(std::move(*OffscreenTarget::create(gl_, kWidth, kHeight, 1)));
     style_.background = glm::vec3(1, 0, 1);
