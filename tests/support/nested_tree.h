@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cache/tile_store.h"
+#include "codec/nested_mesh.h"
 #include "codec/nested_points.h"
 
 namespace tintree::test {
