@@ -51,7 +51,9 @@ GpuBudgets budgets(TerrainScene::Stores stores, const SceneOptions& options) {
   const std::size_t fine_bytes = fine > 0 ? share / 2 : 0;
   const auto nested = static_cast<std::size_t>(std::ranges::count_if(
       stores, [&](const cache::TileStore* store) { return ground_of(*store, options) == cache::Ground::kNested; }));
-  const std::size_t nested_bytes = rest / stores.size() * nested;
+  // The far ground's picture lies where meshes do: without any it has a share of its own.
+  const std::size_t shares = stores.size() + (options.impostors && nested == stores.size() ? 1 : 0);
+  const std::size_t nested_bytes = rest / shares * nested;
   return {.mesh_bytes = rest - nested_bytes,
           .picture_bytes = share - fine_bytes,
           .nested_bytes = nested_bytes,
