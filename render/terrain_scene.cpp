@@ -318,7 +318,8 @@ Expected<LodCut> TerrainScene::settle(const Camera& camera) {
   if (!cut.draws.empty() || cut.wanted == 0) return cut;
   const std::vector<Error> errors = take_errors();
   if (!errors.empty()) return tl::unexpected(errors.front());
-  return fail(ErrorCode::kIo, "not even the coarsest tile fits into the graphics memory for tiles; allow more");
+  return fail(ErrorCode::kIo,
+              "not even the coarsest tile fits into the graphics memory for tiles; allow more with --gpu-memory");
 }
 
 DrawStats TerrainScene::draw(const OffscreenTarget& target, const Camera& camera, const LodCut& cut,
