@@ -58,6 +58,14 @@ Expected<void> place(const RasterFileInfo& first, Part& part) {
   std::array<double, 2> corner = grid_address(first.transform, t[0], t[3]);
   part.column0 = std::llround(corner[0]);
   part.row0 = std::llround(corner[1]);
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const auto next = grid_address(first.transform, t[0] + t[1 + axis], t[3] + t[4 + axis]);
+    const double spacing = std::hypot(next[0] - corner[0], next[1] - corner[1]);
+    if (!(std::abs(spacing - 1) * static_cast<double>(size[axis]) <= 2 * kGridTolerance)) {
+      return refuse(fmt::format("its samples lie {:.4g} times as far apart as those of", spacing),
+                    "bring them onto one grid (gdalwarp -tr X Y -tap)");
+    }
+  }
   for (int i = 0; i < 4; ++i) {
     const double across = (i & 1) != 0 ? static_cast<double>(size[0]) : 0;
     const double down = (i & 2) != 0 ? static_cast<double>(size[1]) : 0;

@@ -14,6 +14,9 @@
 
 namespace tintree::cache {
 
+/// What is said of a file that is no tree, be it a database or not.
+Error no_tree(const std::string& path);
+
 /// The one adapter to SQLite: a connection and its prepared statements, with failures as Error.
 /// Not thread-safe.
 class SqliteDb {

@@ -167,7 +167,7 @@ Expected<SqliteDb> open_existing(const std::string& path, SqliteDb::Access acces
   if (!db) return db;
   const auto application = db->query_integer("PRAGMA application_id");
   if (!application) return tl::unexpected(application.error());
-  if (*application != kApplicationId) return fail(ErrorCode::kBadData, "is no tintree file", path);
+  if (*application != kApplicationId) return tl::unexpected(no_tree(path));
   const auto version = db->query_integer("PRAGMA user_version");
   if (!version) return tl::unexpected(version.error());
   if (*version > kFormatVersion) {

@@ -18,10 +18,11 @@ constexpr int kMostEncodes = 8;
 /// What an attempt aims at, in parts of the bound, and what is good enough.
 constexpr double kAim = 0.99;
 constexpr double kEnough = 0.98;
-constexpr double kQuickAim = 0.8;
-/// A quick search divides the bound into so many steps of the quantiser, and lowers its loss by as much at a time.
+constexpr double kQuickAim = 0.95;
+/// A quick search divides the bound into so many steps of the quantiser, and lowers its loss by at least that at a
+/// time.
 constexpr std::int64_t kQuickSteps = 4;
-constexpr double kQuickRetry = 0.75;
+constexpr double kQuickRetry = 0.9;
 /// The largest difference is about so many times the root of their mean square.
 constexpr double kPeak = 4;
 /// Two losses so much apart are the same.
@@ -85,6 +86,7 @@ class Search {
   PatchSpec spec_;
   Quantizer quantizer_;
   std::int64_t mean_ = 0;
+  double present_ = 1;  ///< The root of the share of samples that count.
   Plane numbers_;
   std::optional<EncodedPatch> best_;
   std::optional<Error> error_;
@@ -106,6 +108,7 @@ void Search::choose_quantizer() {
   }
   if (count == 0) return;
   mean_ = std::llround(sum / static_cast<double>(count));
+  present_ = std::sqrt(static_cast<double>(count) / static_cast<double>(target_->heights.size()));
   quantizer_.low = low;
   for (quantizer_.bits = spec_.bits;; ++quantizer_.bits) {
     const std::int64_t levels = (std::int64_t{1} << quantizer_.bits) - 1;
@@ -158,7 +161,7 @@ void Search::find_largest() {
   if (best_ || quantizer_.bits == 0) return;
   const double aim = spec_.quick ? kQuickAim : kAim;
   const double peak = spec_.criterion == PatchCriterion::kMax ? kPeak : 1;
-  double loss = aim * static_cast<double>(spec_.bound) / static_cast<double>(quantizer_.step) / peak;
+  double loss = aim * present_ * static_cast<double>(spec_.bound) / static_cast<double>(quantizer_.step) / peak;
   double fits_at = 0;
   double breaks_at = std::numeric_limits<double>::infinity();
   while (encodes_ < kMostEncodes && loss > kLeastLoss && breaks_at > kNear * fits_at) {
@@ -166,7 +169,7 @@ void Search::find_largest() {
     const bool fits = off <= 1;
     if (error_ || (fits && (spec_.quick || off >= kEnough))) return;
     (fits ? fits_at : breaks_at) = loss;
-    loss *= spec_.quick ? kQuickRetry : std::clamp(aim / off, 0.25, 4.0);
+    loss *= std::clamp(aim / off, 0.25, spec_.quick ? kQuickRetry : 4.0);
     if (fits_at == 0 || std::isinf(breaks_at)) continue;
     // Well between the two, however little what is off went with the loss.
     const double ratio = breaks_at / fits_at;

@@ -27,7 +27,7 @@ struct PatchSpec {
   std::int64_t bound = 1;  ///< In units of height; 0 or more.
   /// Levels of the quantiser over the residuals' range, 2^bits; more, up to 16, where the bound needs them.
   int bits = 8;
-  /// Takes the first rate that holds, at about four fifths of the bound and mostly after one encode. Where triangles
+  /// Takes the first rate that holds, close to the bound and mostly after one or two encodes. Where triangles
   /// are coded against the patch they cost about as much less as it costs more.
   bool quick = false;
   /// By put_lifted() instead of JPEG 2000, in 0.3 to 0.7 of its bytes; kMax only.

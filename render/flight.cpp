@@ -137,7 +137,8 @@ Expected<Flight> Flight::create(std::vector<Keyframe> keyframes, double fov_y_ra
 Expected<Flight> Flight::from_json(const std::string& text, const std::string& where) {
   const auto json = ordered_json::parse(text, nullptr, false);
   if (json.is_discarded()) {
-    return fail(ErrorCode::kBadData, "is no JSON; a flight looks as in docs/guide.md, Flights", where);
+    return fail(ErrorCode::kBadData,
+                "is no JSON, or has a number beyond all bounds; a flight looks as in docs/guide.md, Flights", where);
   }
   Members top(json, "");
   top.allow({"fov_y_deg", "keyframes"});

@@ -11,38 +11,12 @@ using cache::DrawVertex;
 using cache::MorphVertex;
 using cache::StripShape;
 
-/// Ranges begin at multiples of a vertex, so that both vertices and indices (4 divides 12) lie where GL wants them.
-constexpr std::size_t kUnit = sizeof(DrawVertex);
-static_assert(kUnit == 3 * sizeof(std::uint32_t), "a unit has room for a strip's triangle");
-constexpr std::size_t kPages = 8;  ///< Of a budget that is not large.
-
-const void* offset(std::size_t bytes) { return reinterpret_cast<const void*>(bytes); }
-
-/// Locations as in shaders/terrain.vert.glsl.
-void describe_vertex(const GlFunctions& gl) {
-  constexpr GLsizei kStride = sizeof(DrawVertex);
-  gl.VertexAttribIPointer(0, 4, GL_UNSIGNED_SHORT, kStride, offset(0));
-  gl.VertexAttribPointer(1, 2, GL_SHORT, GL_TRUE, kStride, offset(offsetof(DrawVertex, normal_x)));
-  for (GLuint location = 0; location < 2; ++location) gl.EnableVertexAttribArray(location);
-}
-
-/// The vertices between a tile's surface and its parent's.
-void describe_morph_vertex(const GlFunctions& gl) {
-  constexpr GLsizei kStride = sizeof(MorphVertex);
-  gl.VertexAttribPointer(2, 4, GL_FLOAT, GL_FALSE, kStride, offset(offsetof(MorphVertex, x)));
-  gl.VertexAttribPointer(3, 4, GL_SHORT, GL_TRUE, kStride, offset(offsetof(MorphVertex, normal_x)));
-  gl.VertexAttribIPointer(4, 1, GL_UNSIGNED_SHORT, kStride, offset(offsetof(MorphVertex, skirt)));
-  for (GLuint location = 2; location < 5; ++location) gl.EnableVertexAttribArray(location);
-}
-
-/// A word of a strip is an index by itself.
-void describe_nothing(const GlFunctions&) {}
-
 }  // namespace
 
 GpuTilePool::GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets, GpuMakers makers)
     : gl_(&gl),
-      budgets_(budgets),
+      most_picture_bytes_(budgets.picture_bytes),
+      pages_(gl, budgets.mesh_bytes),
       textures_(gl),
       fine_textures_(gl, budgets.fine_texture_bytes, budgets.fine_texture_kinds),
       nested_(gl, budgets.nested_bytes),
@@ -50,7 +24,6 @@ GpuTilePool::GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets, GpuMa
 
 GpuTilePool::~GpuTilePool() {
   for (const Entry& entry : entries_) destroy(*gl_, entry.tile.relief);
-  for (const Page& page : pages_) free_page(page);
 }
 
 bool GpuTilePool::contains(const cache::TileRef& tile) const {
@@ -111,7 +84,7 @@ bool GpuTilePool::place_strip(const cache::DrawableTile& tile, Entry& out) {
   const StripShape& shape = *tile.native.strip;
   const std::uint32_t words = shape.triangle_words() + shape.skirt_words();
   if (!place(words / 3, out.place)) return false;
-  const Page& page = pages_[out.place.page];
+  const GpuPage& page = pages_.page(out.place);
   const auto first_word = static_cast<std::uint32_t>(3 * out.place.begin);
   out.tile.strip = {page.strip_vertex_array, first_word,
                     shape.triangle_words(),  shape.skirt_words(),
@@ -122,7 +95,7 @@ bool GpuTilePool::place_strip(const cache::DrawableTile& tile, Entry& out) {
   assert(decoded);
   static_cast<void>(decoded);
   out.tile.occluder = tile.occluder;
-  out.tile.bytes = out.place.length * kUnit;
+  out.tile.bytes = out.place.bytes();
   return true;
 }
 
@@ -131,9 +104,9 @@ bool GpuTilePool::place_mesh(const cache::DrawableTile& tile, Entry& out) {
   // Vertices begin at multiples of their size, counted from the buffer's begin; where the range begins is not known
   // yet.
   const std::size_t morph_bytes = tile.morph ? tile.morph->bytes() + sizeof(MorphVertex) : 0;
-  if (!place((bytes + morph_bytes + kUnit - 1) / kUnit, out.place)) return false;
-  const Page& page = pages_[out.place.page];
-  const std::size_t begin = out.place.begin * kUnit;
+  if (!place((bytes + morph_bytes + GpuPages::kUnit - 1) / GpuPages::kUnit, out.place)) return false;
+  const GpuPage& page = pages_.page(out.place);
+  const std::size_t begin = out.place.begin * GpuPages::kUnit;
   gl_->BindBuffer(GL_ARRAY_BUFFER, page.buffer);
   const std::span<const DrawVertex> vertices(tile.vertices);
   out.tile.mesh = tile.indices.empty()
@@ -148,7 +121,7 @@ bool GpuTilePool::place_mesh(const cache::DrawableTile& tile, Entry& out) {
     out.tile.morph.surface_triangles = tile.morph->surface_triangles;
   }
   out.tile.occluder = tile.occluder;
-  out.tile.bytes = out.place.length * kUnit;
+  out.tile.bytes = out.place.bytes();
   return true;
 }
 
@@ -181,104 +154,41 @@ const GpuTile* GpuTilePool::use(const cache::TileRef& tile) {
   return &at->second->tile;
 }
 
-bool GpuTilePool::place(std::size_t length, Place& out) {
+bool GpuTilePool::place(std::size_t length, PageRange& out) {
   while (true) {
-    if (find_gap(length, out)) return true;
-    if (add_page(length)) continue;
+    if (const auto range = pages_.take(length)) {
+      out = *range;
+      return true;
+    }
     if (entries_.empty() || entries_.back().frame == frame_) return false;
     evict_oldest();
   }
 }
 
-bool GpuTilePool::find_gap(std::size_t length, Place& out) {
-  for (std::size_t i = 0; i < pages_.size(); ++i) {
-    if (const auto begin = pages_[i].free.take(length)) {
-      out = {i, *begin, length};
-      return true;
-    }
-  }
-  return false;
-}
-
-bool GpuTilePool::add_page(std::size_t length) {
-  const std::size_t taken = std::min(reserved_bytes_ + aside_bytes_, budgets_.mesh_bytes);
-  const std::size_t left = budgets_.mesh_bytes - taken;
-  const std::size_t usual = std::clamp(budgets_.mesh_bytes / kPages, std::size_t{1} << 20, kLargestPage) / kUnit;
-  const std::size_t units = std::min(std::max(usual, length), left / kUnit);
-  if (units < length) return false;
-  Page page{0, 0, 0, 0, RangeAllocator(units), units * kUnit};
-  while (gl_->GetError() != GL_NO_ERROR) {
-  }
-  gl_->GenBuffers(1, &page.buffer);
-  gl_->BindBuffer(GL_ARRAY_BUFFER, page.buffer);
-  gl_->BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(units * kUnit), nullptr, GL_STATIC_DRAW);
-  page.vertex_array = make_vertex_array(page.buffer, describe_vertex);
-  page.morph_vertex_array = make_vertex_array(page.buffer, describe_morph_vertex);
-  page.strip_vertex_array = make_vertex_array(page.buffer, describe_nothing);
-  if (gl_->GetError() != GL_NO_ERROR) {
-    // The card has less than the budget: what there is has to do.
-    free_page(page);
-    budgets_.mesh_bytes = taken;
-    return false;
-  }
-  reserved_bytes_ += page.bytes;
-  const auto given_back = std::ranges::find(pages_, GLuint{0}, &Page::buffer);
-  if (given_back != pages_.end()) {
-    *given_back = std::move(page);
-  } else {
-    pages_.push_back(std::move(page));
-  }
-  return true;
-}
-
 bool GpuTilePool::set_aside(std::size_t bytes) {
-  aside_bytes_ = 0;
-  if (bytes > budgets_.mesh_bytes) return false;
-  while (reserved_bytes_ + bytes > budgets_.mesh_bytes) {
-    if (!drop_page()) return false;
+  while (!pages_.set_aside(bytes)) {
+    if (bytes > pages_.budget_bytes() || !drop_page()) return false;
   }
-  aside_bytes_ = bytes;
   return true;
 }
 
 bool GpuTilePool::drop_page() {
-  std::vector<bool> kept(pages_.size());
-  for (std::size_t i = 0; i < pages_.size(); ++i) kept[i] = pages_[i].buffer == 0;
+  std::vector<bool> kept(pages_.count());
   for (const Entry& e : entries_) {
     if (e.place.length > 0 && e.frame == frame_) kept[e.place.page] = true;
   }
-  const auto at = std::ranges::find(kept, false);
-  if (at == kept.end()) return false;
-  const auto dropped = static_cast<std::size_t>(at - kept.begin());
+  const auto page = pages_.find_page(kept);
+  if (!page) return false;
   for (auto e = entries_.begin(); e != entries_.end();) {
     const auto entry = e++;
-    if (entry->place.length > 0 && entry->place.page == dropped) evict(entry);
+    if (entry->place.length > 0 && entry->place.page == *page) evict(entry);
   }
-  const Page& page = pages_[dropped];
-  free_page(page);
-  reserved_bytes_ -= page.bytes;
-  pages_[dropped] = {0, 0, 0, 0, RangeAllocator(0), 0};
+  pages_.drop(*page);
   return true;
 }
 
-void GpuTilePool::free_page(const Page& page) {
-  for (const GLuint array : {page.vertex_array, page.morph_vertex_array, page.strip_vertex_array})
-    gl_->DeleteVertexArrays(1, &array);
-  gl_->DeleteBuffers(1, &page.buffer);
-}
-
-GLuint GpuTilePool::make_vertex_array(GLuint buffer, void (*describe)(const GlFunctions&)) {
-  GLuint out = 0;
-  gl_->GenVertexArrays(1, &out);
-  gl_->BindVertexArray(out);
-  gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffer);
-  describe(*gl_);
-  gl_->BindVertexArray(0);
-  return out;
-}
-
 bool GpuTilePool::make_room_for_pictures(std::size_t bytes) {
-  while (bytes > 0 && picture_bytes_ + bytes > budgets_.picture_bytes) {
+  while (bytes > 0 && picture_bytes_ + bytes > most_picture_bytes_) {
     if (entries_.empty() || entries_.back().frame == frame_) return false;
     evict_oldest();
   }
@@ -292,7 +202,7 @@ GLuint GpuTilePool::parent_heights(const cache::TileRelief& relief, std::uint32_
 }
 
 void GpuTilePool::evict(Entries::iterator entry) {
-  if (entry->place.length > 0) pages_[entry->place.page].free.give(entry->place.begin, entry->place.length);
+  if (entry->place.length > 0) pages_.give_back(entry->place);
   if (entry->tile.chunk) nested_.give_back(*entry->tile.chunk);
   owners_.erase(entry->owner);
   bytes_ -= entry->tile.bytes;

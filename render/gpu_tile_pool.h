@@ -15,10 +15,10 @@
 #include "codec/grid_frame.h"
 #include "render/fine_textures.h"
 #include "render/gl_functions.h"
+#include "render/gpu_pages.h"
 #include "render/nested_chunks.h"
 #include "render/patch_reconstructor.h"
 #include "render/picture_textures.h"
-#include "render/range_allocator.h"
 #include "render/strip_unpacker.h"
 
 namespace tintree::render {
@@ -82,9 +82,6 @@ struct GpuMakers {
 /// current; not thread-safe.
 class GpuTilePool {
  public:
-  /// Of a buffer, but for a tile that needs more.
-  static constexpr std::size_t kLargestPage = std::size_t{64} << 20;
-
   GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets, GpuMakers makers = {});
   ~GpuTilePool();
   GpuTilePool(const GpuTilePool&) = delete;
@@ -116,29 +113,16 @@ class GpuTilePool {
   std::size_t tiles() const { return tiles_.size(); }
   /// Of the buffers, tiles or not.
   std::size_t reserved_bytes() const {
-    return reserved_bytes_ + nested_.reserved_bytes() + fine_textures_.reserved_bytes();
+    return pages_.reserved_bytes() + nested_.reserved_bytes() + fine_textures_.reserved_bytes();
   }
   bool makes_reliefs() const { return makers_.reliefs != nullptr; }
   bool has_strips() const { return makers_.strips != nullptr; }
 
  private:
-  struct Page {
-    GLuint vertex_array = 0;        ///< Of cache::DrawVertex,
-    GLuint morph_vertex_array = 0;  ///< of cache::MorphVertex,
-    GLuint strip_vertex_array = 0;  ///< and of nothing, for words.
-    GLuint buffer = 0;
-    RangeAllocator free;  ///< In units of one vertex.
-    std::size_t bytes = 0;
-  };
-  struct Place {
-    std::size_t page = 0;
-    std::size_t begin = 0;  ///< In units, as is the length.
-    std::size_t length = 0;
-  };
   struct Entry {
     cache::TileRef ref;
     GpuTile tile;
-    Place place;
+    PageRange place;
     std::uint64_t frame = 0;  ///< That used it last.
     std::uint64_t owner = 0;  ///< Of its chunk.
   };
@@ -152,36 +136,29 @@ class GpuTilePool {
   /// Copies arrays into a page's buffer, the vertices to `at` bytes into it and the indices behind them.
   template <typename Vertex, typename Index>
   GpuMesh copy(GLuint vertex_array, std::size_t at, std::span<const Vertex> vertices, std::span<const Index> indices);
-  /// Makes a vertex array over the buffer that is bound.
-  GLuint make_vertex_array(GLuint buffer, void (*describe)(const GlFunctions&));
   /// Finds room, evicting what this frame does not use.
-  bool place(std::size_t length, Place& out);
-  bool find_gap(std::size_t length, Place& out);
-  bool add_page(std::size_t length);
+  bool place(std::size_t length, PageRange& out);
   /// Gives back a buffer that this frame does not use; false when there is none.
   bool drop_page();
   void evict_oldest() { evict(std::prev(entries_.end())); }
   void evict(Entries::iterator entry);
-  void free_page(const Page& page);
   /// The same for a tile's pictures.
   bool make_room_for_pictures(std::size_t bytes);
   /// The heights that a tile's relief is made of, kept while it is; 0 where there are none.
   GLuint parent_heights(const cache::TileRelief& relief, std::uint32_t tree);
 
   const GlFunctions* gl_;
-  GpuBudgets budgets_;
-  std::size_t aside_bytes_ = 0;  ///< Of those for meshes.
+  std::size_t most_picture_bytes_;  ///< Reliefs too.
+  GpuPages pages_;
   PictureTextures textures_;
   FineTextures fine_textures_;
   NestedChunks nested_;
   GpuMakers makers_;
   std::size_t bytes_ = 0;
   std::size_t picture_bytes_ = 0;  ///< Of these, reliefs too.
-  std::size_t reserved_bytes_ = 0;
   std::uint64_t frame_ = 0;
   std::uint64_t next_owner_ = 0;
   std::unordered_map<std::uint64_t, Entries::iterator> owners_;  ///< Of chunks.
-  std::vector<Page> pages_;                                      ///< Those given back stay, without a buffer.
   Entries entries_;                                              ///< The most recently used first.
   std::unordered_map<cache::TileRef, Entries::iterator, cache::TileRefHash> tiles_;
 };

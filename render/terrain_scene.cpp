@@ -51,7 +51,9 @@ GpuBudgets budgets(TerrainScene::Stores stores, const SceneOptions& options) {
   const std::size_t fine_bytes = fine > 0 ? share / 2 : 0;
   const auto nested = static_cast<std::size_t>(std::ranges::count_if(
       stores, [&](const cache::TileStore* store) { return ground_of(*store, options) == cache::Ground::kNested; }));
-  const std::size_t nested_bytes = rest / stores.size() * nested;
+  // The far ground's picture lies where meshes do: without any it has a share of its own.
+  const std::size_t shares = stores.size() + (options.impostors && nested == stores.size() ? 1 : 0);
+  const std::size_t nested_bytes = rest / shares * nested;
   return {.mesh_bytes = rest - nested_bytes,
           .picture_bytes = share - fine_bytes,
           .nested_bytes = nested_bytes,
@@ -76,7 +78,7 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
     makers.reliefs = std::move(*made);
   }
   if (has_strips(stores, options)) {
-    auto made = StripUnpacker::create(gl, GpuTilePool::kLargestPage);
+    auto made = StripUnpacker::create(gl, GpuPages::kLargestPage);
     if (!made) return tl::unexpected(made.error());
     makers.strips = std::move(*made);
   }
@@ -316,7 +318,8 @@ Expected<LodCut> TerrainScene::settle(const Camera& camera) {
   if (!cut.draws.empty() || cut.wanted == 0) return cut;
   const std::vector<Error> errors = take_errors();
   if (!errors.empty()) return tl::unexpected(errors.front());
-  return fail(ErrorCode::kIo, "not even the coarsest tile fits into the graphics memory for tiles; allow more");
+  return fail(ErrorCode::kIo,
+              "not even the coarsest tile fits into the graphics memory for tiles; allow more with --gpu-memory");
 }
 
 DrawStats TerrainScene::draw(const OffscreenTarget& target, const Camera& camera, const LodCut& cut,

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 namespace tintree::simplify {
@@ -12,7 +11,14 @@ struct HeightLattice {
   std::int64_t origin = 0;  ///< z = 0 lies so many steps above height 0.
 
   /// The nearest multiple, in steps from height 0.
-  std::int64_t address(double height_m) const { return std::llround(height_m / step_m); }
+  /// The height is a number and fewer than 2^63 steps from 0.
+  std::int64_t address(double height_m) const {
+    // As std::llround does, without its call: this rounds every sample in the search for splits.
+    const double steps = height_m / step_m;
+    const auto whole = static_cast<std::int64_t>(steps);
+    const double rest = steps - static_cast<double>(whole);
+    return whole + static_cast<int>(rest >= 0.5) - static_cast<int>(rest <= -0.5);
+  }
   double snapped_m(double height_m) const { return static_cast<double>(address(height_m)) * step_m; }
   /// The same in steps from the origin, which must lie within 2^31 steps.
   std::int32_t snap(double height_m) const { return static_cast<std::int32_t>(address(height_m) - origin); }

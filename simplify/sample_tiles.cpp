@@ -53,10 +53,11 @@ class Sampler {
         view_(surface, stop),
         meter_(view_),
         maker_(make_tile_maker(manifest, surface, stop)),
-        codec_(codec::find_codec(manifest.method)),
-        decoder_(manifest, {}) {}
+        codec_(codec::find_codec(manifest.method)) {}
 
   Expected<void> run(SampledTile& out) {
+    auto above = maker_->stand_in_above(out.id);
+    if (!above) return tl::unexpected(above.error());
     double mark = thread_seconds();
     const auto lap = [&mark] {
       const double now = thread_seconds();
@@ -69,7 +70,7 @@ class Sampler {
     out.triangles = tile->info.triangles;
     out.bytes = tile->payload.size();
     if (out.id.level < manifest_->layout.leaf_level || tile->payload.empty()) return {};
-    const auto mesh = decoder_.decode(*tile);
+    const auto mesh = cache::TileDecoder(*manifest_, std::move(*above)).decode(*tile);
     if (!mesh) return tl::unexpected(mesh.error());
     const MeasuredMesh measured(manifest_->layout, out.id, *mesh);
     std::vector<std::uint32_t> all(measured.triangles.size());
@@ -87,7 +88,6 @@ class Sampler {
   ErrorMeter meter_;
   std::unique_ptr<TileMaker> maker_;
   const codec::MeshCodec* codec_;
-  cache::TileDecoder decoder_;
 };
 
 }  // namespace

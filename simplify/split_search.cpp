@@ -196,11 +196,14 @@ class SplitSearch {
       for (std::size_t i = 0; i < kLine; ++i) {
         const double h = static_cast<double>(line[i]) + block.base_m;
         samples_[j][i] = h;
-        snapped_[j][i] = level_.heights.snapped_m(h);
         sum += h;
       }
     }
-    return !std::isnan(sum);
+    if (std::isnan(sum)) return false;
+    for (std::size_t j = 0; j < kLine; ++j) {
+      for (std::size_t i = 0; i < kLine; ++i) snapped_[j][i] = level_.heights.snapped_m(samples_[j][i]);
+    }
+    return true;
   }
 
   /// search() on the copied samples: from unit cells upward, the error of a triangle is at most that of its two

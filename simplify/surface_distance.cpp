@@ -8,6 +8,7 @@
 #include "simplify/patch_sizes.h"
 #include "simplify/sample_rect.h"
 #include "simplify/spoke_distance.h"
+#include "simplify/square_rows.h"
 
 namespace tintree::simplify {
 namespace {
@@ -112,16 +113,16 @@ void SurfaceDistance::add_squares(int size, std::uint32_t plane, const Extent& e
   const std::int64_t west = square_start(extent.x0, window_.column0(), cells);
   const std::int64_t north = square_start(extent.y0, window_.row0(), cells);
   std::vector<Square>& list = squares_[static_cast<std::size_t>(size)];
-  const TrianglePlane& triangle = planes_[plane];
+  const SquareRows rows(planes_[plane], square_extent(west, north, cells), extent);
   for (std::int64_t y = north; static_cast<double>(y) < extent.y1; y += cells) {
+    const SquareRows::Columns columns = rows.at(y - north);
     const int row = static_cast<int>((window_.row0() + y) & 255);
-    const BlockPatches* block = nullptr;
-    for (std::int64_t x = west; static_cast<double>(x) < extent.x1; x += cells) {
+    const PlanePatch* patch = nullptr;
+    const std::int64_t end = west + columns.end * cells;
+    for (std::int64_t x = west + columns.first * cells; x < end; x += cells, ++patch) {
       const int column = static_cast<int>((window_.column0() + x) & 255);
-      if (block == nullptr || column == 0) block = &window_.patches_at(x, y);
-      if (triangle.misses(square_extent(x, y, cells))) continue;
-      const PlanePatch& patch = block->at(size, column, row);
-      if (!patch.empty()) list.push_back({&patch, x, y, plane});
+      if (patch == nullptr || column == 0) patch = &window_.patches_at(x, y).at(size, column, row);
+      if (!patch->empty()) list.push_back({patch, x, y, plane});
     }
   }
 }

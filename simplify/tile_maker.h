@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "cache/manifest.h"
+#include "cache/tile_store.h"
 #include "codec/error.h"
 #include "codec/grid_frame.h"
 #include "codec/mesh_codec.h"
@@ -16,6 +18,9 @@
 #include "simplify/reference_surface.h"
 
 namespace tintree::simplify {
+
+/// Reads tiles that others build on.
+using TileReader = std::function<Expected<cache::StoredTile>(const codec::TileId&)>;
 
 /// Makes tiles: the geometry half of a method (its codec is the other). A tile is a pure function of the DEM's
 /// samples in and next to its square, so tiles can be made in any order, on any thread, again after a crash.
@@ -35,6 +40,10 @@ class TileMaker {
                                                   const codec::TileMesh& mesh) {
     return codec.encode(mesh);
   }
+
+  /// For a tile that is made for its figures alone: the next encode() of it takes cheap stand-ins for the tiles above,
+  /// and its decoder may read them by what this returns; null for methods whose tiles need no others.
+  virtual Expected<TileReader> stand_in_above(const codec::TileId& /*id*/) { return TileReader{}; }
 };
 
 /// The methods that make_tile_maker() knows, the default one first.

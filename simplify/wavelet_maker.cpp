@@ -9,12 +9,17 @@
 
 #include <fmt/format.h>
 
+#include "codec/residual_plane.h"
 #include "codec/split_fans.h"
 #include "codec/wavelet_tiles.h"
 #include "simplify/neville_rows.h"
 
 namespace tintree::simplify {
 namespace {
+
+/// Patches with others below them keep to that part of their bound, which is twice the bound below: most of those then
+/// are foretold well enough, or nearly so.
+constexpr double kShareAbove = 0.4;
 
 /// The mesh on the coarsest address grid that holds it.
 Expected<codec::TileMesh> stored_mesh(const StartMesh& start, std::int64_t cells, const codec::TileId& id) {
@@ -101,7 +106,8 @@ Expected<std::shared_ptr<const codec::EncodedPatch>> WaveletMaker::patch(const c
   const double unit_m = layout_.z_step_m[static_cast<std::size_t>(id.level)] / codec::kUnitsAStep;
   codec::PatchSpec spec;
   spec.criterion = criterion_;
-  spec.bound = std::llround(layout_.bound_m(id.level) / unit_m);
+  const double share = id.level < layout_.leaf_level ? kShareAbove : 1;
+  spec.bound = std::llround(share * layout_.bound_m(id.level) / unit_m);
   spec.quick = true;
   spec.lifted = criterion_ == codec::PatchCriterion::kMax;
   const codec::Patch prediction =
@@ -119,6 +125,23 @@ Expected<std::vector<std::byte>> WaveletMaker::encode(const codec::MeshCodec&, c
   const auto own = patch(id);
   if (!own) return tl::unexpected(own.error());
   return codec::encode_wavelet_tile(layout_, id, mesh, **own);
+}
+
+Expected<TileReader> WaveletMaker::stand_in_above(const codec::TileId& id) {
+  patches_ = {};
+  const codec::EncodedPatch level{codec::residual_bytes({}, {}), {layout_.tile_cells + 2 * codec::kPatchMargin, 0}};
+  if (id.level > 0) {
+    const codec::TileId parent = layout_.parent(id);
+    if (parent.level > 0) patches_.keep(layout_.parent(parent), std::make_shared<const codec::EncodedPatch>(level));
+    if (auto made = patch(parent); !made) return tl::unexpected(made.error());
+  }
+  return [this, level](const codec::TileId& wanted) -> Expected<cache::StoredTile> {
+    cache::StoredTile out;
+    out.info.id = wanted;
+    const auto known = patches_.find(wanted);
+    out.payload = known == nullptr ? level.bytes : known->bytes;
+    return out;
+  };
 }
 
 }  // namespace tintree::simplify

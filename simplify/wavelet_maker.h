@@ -22,6 +22,8 @@ class WaveletMaker final : public TileMaker {
   Expected<codec::TileMesh> make(const codec::TileId& id) override;
   Expected<std::vector<std::byte>> encode(const codec::MeshCodec& codec, const codec::TileId& id,
                                           const codec::TileMesh& mesh) override;
+  /// Above the parent all ground is level. Reads until the next call.
+  Expected<TileReader> stand_in_above(const codec::TileId& id) override;
 
  private:
   Expected<std::shared_ptr<const codec::EncodedPatch>> patch(const codec::TileId& id);

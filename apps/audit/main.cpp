@@ -56,14 +56,24 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag("--quiet", o.quiet, "Print the verdict only");
 }
 
-/// Writes the page into its folder, which is made when it is not there.
-Expected<void> write_report(const std::string& folder, const tintree::audit::ReportInput& input) {
+std::string page_path(const std::string& folder) { return folder + "/index.html"; }
+
+/// Makes the page's folder when it is not there, and refuses what could not be written after the audit.
+Expected<void> prepare_outputs(const Options& o) {
+  if (!o.json.empty()) {
+    if (auto writable = tintree::app::check_output_file(o.json); !writable) return writable;
+  }
+  if (o.report.empty()) return {};
   std::error_code ec;
-  std::filesystem::create_directories(folder, ec);
-  if (ec) return tintree::fail(tintree::ErrorCode::kIo, "cannot be made: " + ec.message(), folder);
+  std::filesystem::create_directories(o.report, ec);
+  if (ec) return tintree::fail(tintree::ErrorCode::kIo, "cannot be made: " + ec.message(), o.report);
+  return tintree::app::check_output_file(page_path(o.report));
+}
+
+Expected<void> write_report(const std::string& folder, const tintree::audit::ReportInput& input) {
   const auto page = tintree::audit::report_page(input);
   if (!page) return tl::unexpected(page.error());
-  return tintree::app::write_whole_file(folder + "/index.html", *page);
+  return tintree::app::write_whole_file(page_path(folder), *page);
 }
 
 /// Prints and writes what was found; fails when anything was.
@@ -90,6 +100,7 @@ Expected<void> run(const Options& o) {
   auto source = tintree::cache::RasterSource::open(o.dems);
   if (!source) return tl::unexpected(source.error());
   if (auto matches = tintree::audit::match(store->manifest(), source->info()); !matches) return matches;
+  if (auto ready = prepare_outputs(o); !ready) return ready;
 
   tintree::app::Progress progress(o.quiet);
   tintree::cache::StageOptions stage;

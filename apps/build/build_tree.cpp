@@ -11,12 +11,12 @@
 #include <fmt/core.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
-#include <unistd.h>
 
 #include "apps/build/input.h"
 #include "apps/common/progress.h"
 #include "apps/common/program.h"
 #include "apps/common/stop_deadline.h"
+#include "apps/common/whole_file.h"
 #include "cache/tile_store.h"
 
 namespace tintree::app {
@@ -39,12 +39,8 @@ Expected<Start> check_output(const BuildOptions& options) {
   std::error_code ec;
   const std::string building = cache::TileWriter::building_path(options.output);
   for (const std::string& path : {options.output, building}) {
-    if (fs::is_directory(path, ec)) return fail(ErrorCode::kIo, "is a directory; name a file", path);
+    if (auto writable = check_output_file(path); !writable) return tl::unexpected(writable.error());
   }
-  const std::string folder = folder_of(options.output);
-  if (!fs::is_directory(folder, ec)) return fail(ErrorCode::kIo, "no such folder; create it first", folder);
-  if (::access(folder.c_str(), W_OK) != 0)
-    return fail(ErrorCode::kIo, "the folder may not be written to; check its permissions", folder);
   if (options.overwrite) return Start::kNew;
   // An unfinished build beside a tree was begun to overwrite it.
   if (fs::exists(building, ec)) {

@@ -10,6 +10,7 @@
 
 #include <fmt/core.h>
 
+#include "apps/common/whole_file.h"
 #include "simplify/picture_layer.h"
 
 namespace tintree::app {
@@ -55,11 +56,6 @@ int deepest_textures(const codec::TreeLayout& layout, int texture_size, double p
 }
 
 }  // namespace
-
-std::string folder_of(const std::string& path) {
-  const std::string parent = fs::path(path).parent_path().string();
-  return parent.empty() ? "." : parent;
-}
 
 int thread_count(const BuildOptions& options) {
   return options.threads > 0 ? options.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));

@@ -15,9 +15,6 @@
 
 namespace tintree::app {
 
-/// The folder of a file that is to be made.
-std::string folder_of(const std::string& path);
-
 /// Threads that a build with these options uses.
 int thread_count(const BuildOptions& options);
 

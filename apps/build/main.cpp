@@ -12,6 +12,7 @@
 #include "apps/build/summary.h"
 #include "apps/common/json_file.h"
 #include "apps/common/program.h"
+#include "apps/common/whole_file.h"
 #include "codec/mesh_codec.h"
 #include "simplify/tile_maker.h"
 
@@ -53,13 +54,6 @@ Expected<void> check(const BuildOptions& o) {
                          "is 1 for --method " + o.method + "; leave it out, or choose --method tin, strip or scalar",
                          "--levels-per-doubling");
   }
-  if (o.plan && o.method == "wavelet") {
-    return tintree::fail(
-        ErrorCode::kUsage,
-        "cannot judge --method wavelet, whose tiles build on those above them; plan --method tin, which "
-        "takes about as many bytes",
-        "--plan");
-  }
   if (o.threads < 0 || o.threads > 1024)
     return tintree::fail(ErrorCode::kUsage, "must lie between 0 (all cores) and 1024", "--threads");
   if (o.output.empty() && !o.plan) return tintree::fail(ErrorCode::kUsage, "is required (see --help)", "--output");
@@ -83,10 +77,10 @@ void give_back_large_memory() { ::mallopt(M_MMAP_THRESHOLD, 256 * 1024); }
 
 int main(int argc, char** argv) {
   give_back_large_memory();
+  tintree::app::stop_flag();  // from the first moment on
   BuildOptions o;
   std::string nodata = "hole";
   CLI::App app{"Builds a tile tree with a guaranteed, measured error from an elevation model", "tintree-build"};
-  app.set_version_flag("--version", TINTREE_VERSION);
   app.add_option("DEM", o.dems, "Elevation models on one grid, any rasters that GDAL reads; the last lies on top")
       ->required();
   app.add_option("-o,--output", o.output, "Tree to write (.tintree); required, except with --plan");
@@ -140,6 +134,9 @@ int main(int argc, char** argv) {
     using tintree::cache::NodataPolicy;
     o.nodata = nodata == "fill" ? NodataPolicy::kFill : NodataPolicy::kHole;
     if (auto sane = check(o); !sane) return sane;
+    if (!o.json.empty()) {
+      if (auto writable = tintree::app::check_output_file(o.json); !writable) return writable;
+    }
     if (o.plan) return plan(o);
     auto report = tintree::app::build_tree(o);
     if (!report) return tl::unexpected(report.error());

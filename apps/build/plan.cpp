@@ -15,6 +15,7 @@
 #include "apps/common/program.h"
 #include "apps/common/progress.h"
 #include "apps/common/stop_deadline.h"
+#include "apps/common/whole_file.h"
 #include "cache/packed_size.h"
 #include "simplify/sample_tiles.h"
 #include "simplify/stored_tile.h"
@@ -158,6 +159,13 @@ std::uint64_t estimate_memory(const Input& input, std::uint64_t before_bytes, st
          static_cast<std::uint64_t>(static_cast<double>(sampled_bytes) * std::max(ratio, 1.0));
 }
 
+/// Whether all leaves have been made, and none has a triangle: a build refuses such a DEM.
+bool holds_no_surface(const std::vector<LevelSample>& samples) {
+  const LevelSample& leaves = samples.back();
+  return leaves.sampled_cells == leaves.cells &&
+         std::ranges::all_of(leaves.sample, [](const SampledTile& tile) { return tile.triangles == 0; });
+}
+
 Expected<TreePlan> plan_in_arena(const BuildOptions& options) {
   const auto begun = Clock::now();
   Progress line(options.quiet);
@@ -165,6 +173,9 @@ Expected<TreePlan> plan_in_arena(const BuildOptions& options) {
     line.report(step, done, total);
     return !stop_requested();
   };
+  if (!options.output.empty()) {
+    if (auto writable = check_output_file(options.output); !writable) return tl::unexpected(writable.error());
+  }
   auto input = open_input(options, progress);
   if (!input) return tl::unexpected(input.error());
   const double opening_seconds = seconds_since(begun);
@@ -184,6 +195,10 @@ Expected<TreePlan> plan_in_arena(const BuildOptions& options) {
     return tl::unexpected(samples.error());
   }
   const std::uint64_t grown = peak_rss_bytes() - before;
+  if (holds_no_surface(*samples)) {
+    return fail(ErrorCode::kBadData, "holds no surface: nowhere do three samples of a cell have heights",
+                input->info.path);
+  }
 
   const auto top = static_cast<std::size_t>(
       std::ranges::find_if(*samples, [](const LevelSample& s) { return !s.sample.empty(); }) - samples->begin());

@@ -26,6 +26,7 @@ int report_failure(const std::string& program, const Error& error) {
 
 int run_program(CLI::App& app, int argc, char** argv, const std::function<Expected<void>()>& run) {
   const std::string program = app.get_name();
+  app.set_version_flag("--version", program + " " + TINTREE_VERSION);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -12,7 +12,7 @@
 
 namespace tintree::app {
 
-/// Parses the command line into what `app` was given and calls `run`. Help and version exit 0, a usage
+/// Parses the command line into what `app` was given and calls `run`. --help and --version exit 0, a usage
 /// error prints one line and exits 2, a failure of `run` prints its message and exits with its code
 /// (DESIGN of the command lines: docs/guide.md). Returns the process's exit code.
 int run_program(CLI::App& app, int argc, char** argv, const std::function<Expected<void>()>& run);

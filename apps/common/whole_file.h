@@ -7,8 +7,14 @@
 
 namespace tintree::app {
 
+/// The folder that the path lies in, "." if it names none.
+std::string folder_of(const std::string& path);
+
+/// Fails with kIo where `path` could not be written later on: refuses before hours of work what would fail after them.
+Expected<void> check_output_file(const std::string& path);
+
 /// Writes `bytes` to `path` by way of a temporary file, so that a reader sees either the old file or the whole
-/// new one. Fails with kIo.
+/// new one; straight to a device or pipe. Fails with kIo.
 Expected<void> write_whole_file(const std::string& path, std::string_view bytes);
 
 }  // namespace tintree::app

@@ -8,6 +8,7 @@
 
 #include "apps/common/program.h"
 #include "apps/common/progress.h"
+#include "apps/common/whole_file.h"
 #include "apps/export/export_tree.h"
 
 namespace {
@@ -39,8 +40,7 @@ void declare(CLI::App& app, Options& o) {
 
 Expected<void> check_output(const Options& o) {
   std::error_code ec;
-  if (std::filesystem::is_directory(o.mesh.path, ec))
-    return fail(ErrorCode::kIo, "is a directory; name a file", o.mesh.path);
+  if (auto writable = tintree::app::check_output_file(o.mesh.path); !writable) return writable;
   if (std::filesystem::exists(o.mesh.path, ec) && !o.overwrite) {
     return fail(ErrorCode::kIo, "exists; give another name, or --overwrite to replace it", o.mesh.path);
   }

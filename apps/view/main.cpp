@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/common/whole_file.h"
 #include "apps/view/playback.h"
 #include "apps/view/still.h"
 #include "apps/view/view_options.h"
@@ -17,6 +18,10 @@ Expected<void> run(const CommandLine& line) {
   const auto begun = std::chrono::steady_clock::now();
   const auto options = read_options(line);
   if (!options) return tl::unexpected(options.error());
+  for (const std::string& output : {options->screenshot, options->json}) {
+    if (output.empty()) continue;
+    if (auto writable = app::check_output_file(output); !writable) return writable;
+  }
   std::vector<cache::TileStore> opened;
   for (const std::string& tree : options->trees) {
     auto store = cache::TileStore::open(tree);

@@ -338,6 +338,7 @@ TEST_F(AuditTest, SaysWhenThePageCannotBeWritten) {
   const ProgramResult r = audit({"--hausdorff-tiles", "0", "--report", dir_.file("in_the_way")});
   EXPECT_EQ(r.exit_code, 4) << r.all();
   EXPECT_NE(r.err.find("in_the_way"), std::string::npos) << r.err;
+  EXPECT_EQ(r.out, "") << "before the work";
 }
 
 TEST_F(AuditTest, FindsAVertexMovedBeyondTheBound) {
@@ -575,6 +576,7 @@ TEST_F(AuditTest, SaysWhenTheReportCannotBeWritten) {
   write_tree(path_, tree_);
   const ProgramResult r = audit({"--hausdorff-tiles", "0", "--json", dir_.file("no/such/folder.json")});
   EXPECT_EQ(r.exit_code, 4);
+  EXPECT_EQ(r.out, "") << "before the work";
   EXPECT_NE(r.err.find("folder.json"), std::string::npos) << r.err;
 }
 

@@ -230,7 +230,6 @@ TEST_F(BuildTest, RefusesWrongOptions) {
   expect_refused({"--method", "magic"}, kUsage, {"--method"});
   expect_refused({"--criterion", "max"}, kUsage, {"--criterion", "wavelet"});
   expect_refused({"--method", "wavelet", "--criterion", "mean"}, kUsage, {"--criterion"});
-  expect_refused({"--method", "wavelet", "--plan"}, kUsage, {"--plan", "--method tin"});
   for (const char* levels : {"0", "3", "some"})
     expect_refused({"--levels-per-doubling", levels}, kUsage, {"--levels-per-doubling"});
   for (const char* method : {"nested", "wavelet"})
@@ -247,13 +246,20 @@ TEST_F(BuildTest, WantsADemAndAnOutput) {
     expect_message(r, {"required"});
   }
   EXPECT_EQ(run_program(TINTREE_BUILD, {"--help"}).exit_code, kDone);
-  EXPECT_EQ(run_program(TINTREE_BUILD, {"--version"}).exit_code, kDone);
+  const ProgramResult version = run_program(TINTREE_BUILD, {"--version"});
+  EXPECT_EQ(version.exit_code, kDone);
+  EXPECT_TRUE(version.out.starts_with("tintree-build ")) << version.out;
 }
 
-TEST_F(BuildTest, SaysWhenTheReportCannotBeWritten) {
-  const ProgramResult r = build({"--json", dir_.file("no/such/folder.json")});
-  EXPECT_EQ(r.exit_code, kIo) << r.all();
-  expect_message(r, {"folder.json"});
+TEST_F(BuildTest, RefusesAReportThatCannotBeWrittenBeforeAllWork) {
+  expect_refused({"--json", dir_.file("no/such/report.json")}, kIo, {"report.json", "no folder", dir_.file("no/such")});
+  expect_refused({"--json", dir_.path()}, kIo, {dir_.path(), "directory"});
+}
+
+TEST_F(BuildTest, WritesTheReportToAPipe) {
+  const ProgramResult r = build_under("\"$@\" --json /dev/stdout | cat");
+  EXPECT_EQ(r.exit_code, kDone) << r.all();
+  EXPECT_EQ(json::parse(r.out).at("digest").get<std::string>().size(), 32U);
 }
 
 TEST_F(BuildTest, TakesSeveralDemsInOrder) {

@@ -40,6 +40,23 @@ TEST_F(PlanTest, ComesCloseToTheBuild) {
   }
 }
 
+/// Tiles of method wavelet build on those above them, of which a sample has none.
+TEST_F(PlanTest, ComesCloseForTilesThatBuildOnOthers) {
+  write_raster(dem_, {.columns = 700, .rows = 500, .dx = 10, .dy = 10},
+               [](int c, int r) { return c > 550 && r > 300 ? kMissing : hills(c, r, 50 + c / 5.0); });
+  for (const std::string criterion : {"rms", "max"}) {
+    SCOPED_TRACE(criterion);
+    const Words options = {"--method", "wavelet", "--criterion", criterion, "--tile", "64", "--overwrite"};
+    const json planned = plan(options);
+    ASSERT_NE(digest(options), "");
+    const json built = json::parse(read_file(report_));
+    for (const char* key : {"vertices", "triangles", "payload_bytes"}) {
+      EXPECT_NEAR(planned.at(key).get<double>() / built.at(key).get<double>(), 1, 0.2) << key;
+    }
+    EXPECT_LT(planned.at("levels").back().at("tiles_sampled"), planned.at("levels").back().at("tiles"));
+  }
+}
+
 TEST_F(PlanTest, OfAllTilesIsRight) {
   const json planned = plan();
   ASSERT_NE(digest(), "");
@@ -96,6 +113,13 @@ TEST_F(PlanTest, RefusesWhatABuildRefuses) {
   const ProgramResult fine = build({"--plan", "--error", "1e-9"});
   EXPECT_EQ(fine.exit_code, kBadData) << fine.all();
   expect_message(fine, {dem_, "heights differ by up to", "--error "});
+  const ProgramResult folder = run_program(TINTREE_BUILD, {dem_, "--plan", "-o", dir_.file("no/such.tintree")});
+  EXPECT_EQ(folder.exit_code, kIo) << folder.all();
+  expect_message(folder, {"no folder", dir_.file("no")});
+  write_raster(dem_, {.columns = 90, .rows = 70}, [](int, int) { return kMissing; });
+  const ProgramResult empty = build({"--plan"});
+  EXPECT_EQ(empty.exit_code, kBadData) << empty.all();
+  expect_message(empty, {dem_, "no surface"});
   fs::remove(dem_);
   const ProgramResult r = build({"--plan"});
   EXPECT_EQ(r.exit_code, kIo) << r.all();

@@ -124,6 +124,7 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheFile) {
   const std::string text = dir_.file("text.tintree");
   test::write_file(text, "this is no tree\n");
   expect_failure(view({text, "--headless", "osmesa"}), 3, "text.tintree");
+  expect_failure(view({text, "--headless", "osmesa"}), 3, "tintree-build");
   const std::string cut = dir_.file("cut.tintree");
   const std::string whole = test::read_file(tree_);
   test::write_file(cut, whole.substr(0, whole.size() / 2 + 100));
@@ -237,6 +238,8 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheFlight) {
   expect_failure(view(base), 4, "flight.json");
   test::write_file(flight, "nonsense");
   expect_failure(view(base), 3, "flight.json");
+  test::write_file(flight, R"({"keyframes": [{"seconds": 1e999}]})");
+  expect_failure(view(base), 3, "number");
   test::write_file(flight, kFlight);
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), base.begin(), base.end());
@@ -260,6 +263,10 @@ TEST_F(ViewProgram, WithoutADisplaySaysWhatToDo) { expect_failure(view({tree_}),
 TEST_F(ViewProgram, SaysWhenThePictureCannotBeWritten) {
   const std::string png = dir_.file("no/such/folder.png");
   expect_failure(view({tree_, "--headless", "osmesa", "--screenshot", png}), 4, png);
+  // Before the tree is looked at, and so before anything is drawn.
+  const std::string none = dir_.file("none.tintree");
+  expect_failure(view({none, "--headless", "osmesa", "--screenshot", png}), 4, png);
+  expect_failure(view({none, "--headless", "osmesa", "--json", dir_.path()}), 4, dir_.path());
 }
 
 }  // namespace

@@ -128,10 +128,10 @@ TEST_F(RasterMosaicTest, FilesOnDifferentGridsAreRefused) {
   const std::string a = part("a.tif", 0, 0, 6, 6, flat);
   const std::vector<std::pair<RasterSpec, std::string>> others = {
       {{.dx = 10, .dy = 20, .epsg = 32611}, "gdalwarp -t_srs"},
-      {{.dx = 10, .dy = 10, .west = 1000}, "gdalwarp -tr"},
+      {{.dx = 10, .dy = 10, .west = 1000}, "0.5 times as far apart"},
       {{.dx = 10, .dy = 20, .west = 1005}, "0.5 samples off"},
       {{.dx = 10, .dy = 20, .west = 1000, .north = 2001}, "0.05 samples off"},
-      {{.dx = 10.1, .dy = 20, .west = 1000}, "gdalwarp -tr"},
+      {{.dx = 10.1, .dy = 20, .west = 1000}, "1.01 times as far apart"},
       {{.epsg = 0}, "georeference"}};
   for (const auto& [spec, word] : others) {
     const std::string b = write("b.tif", spec, flat);

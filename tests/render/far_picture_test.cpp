@@ -14,6 +14,7 @@
 #include "render/terrain_scene.h"
 #include "tests/render/analytic_tree.h"
 #include "tests/render/osmesa_test.h"
+#include "tests/render/seen.h"
 #include "tests/support/temp_dir.h"
 
 namespace tintree::render {
@@ -65,29 +66,6 @@ class FarPictureTest : public OsMesaTest {
     return {target->read_picture(), drawn};
   }
 
-  /// Pixels whose colour is none of those, or between those, of the reference's pixels at most one away.
-  static int count_strange(const Picture& shown, const Picture& reference, int tolerance) {
-    int count = 0;
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        bool strange = false;
-        for (std::size_t k = 0; k < 3; ++k) {
-          int low = 255, high = 0;
-          for (int v = std::max(y - 1, 0); v <= std::min(y + 1, kHeight - 1); ++v) {
-            for (int u = std::max(x - 1, 0); u <= std::min(x + 1, kWidth - 1); ++u) {
-              low = std::min<int>(low, reference.at(u, v)[k]);
-              high = std::max<int>(high, reference.at(u, v)[k]);
-            }
-          }
-          const int value = shown.at(x, y)[k];
-          strange = strange || value < low - tolerance || value > high + tolerance;
-        }
-        count += strange ? 1 : 0;
-      }
-    }
-    return count;
-  }
-
   test::TempDir dir_;
   std::optional<cache::TileStore> store_;
 };
@@ -112,7 +90,7 @@ TEST_F(FarPictureTest, ThePictureIsTheSameWithinAPixelAndWithoutCracks) {
       drawn += a.drawn.triangles;
       drawn_without += b.drawn.triangles;
       // Other levels of detail are lit a little otherwise.
-      strange += count_strange(a.picture, b.picture, 24);
+      strange += test::count_strange(a.picture, b.picture, 24);
     }
     EXPECT_GE(replaced, kFrames - 2);
     EXPECT_LE(made, 3);
@@ -138,7 +116,7 @@ TEST_F(FarPictureTest, GivesWayWhereMemoryIsShort) {
       if (replaced) {
         EXPECT_EQ(picture, kPictureBytes);
       } else if (!without->frame_stats().gpu_memory_full) {
-        EXPECT_EQ(count_strange(shot.picture, plain.picture, 0), 0) << budget;
+        EXPECT_EQ(test::count_strange(shot.picture, plain.picture, 0), 0) << budget;
       }
       EXPECT_LE(with->pool().reserved_bytes() + picture, budget);
       EXPECT_LE(with->frame_stats().gpu_memory_full, without->frame_stats().gpu_memory_full) << budget;
@@ -175,7 +153,7 @@ TEST_F(FarPictureTest, ChangesWithTheSun) {
   const auto without = scene(false);
   const auto plain = without->settle(c);
   without->draw(*target, c, *plain, evening);
-  EXPECT_LT(count_strange(after, target->read_picture(), 24), kWidth * kHeight / 500);
+  EXPECT_LT(test::count_strange(after, target->read_picture(), 24), kWidth * kHeight / 500);
 }
 
 }  // namespace

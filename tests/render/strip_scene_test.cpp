@@ -14,8 +14,10 @@
 #include "codec/strip_mesh.h"
 #include "render/picking.h"
 #include "render/terrain_scene.h"
-#include "tests/render/analytic_tree.h"
 #include "tests/render/osmesa_test.h"
+#include "tests/render/quadtree_tree.h"
+#include "tests/render/seen.h"
+#include "tests/render/write_tree.h"
 #include "tests/support/temp_dir.h"
 
 namespace tintree::render {
@@ -23,45 +25,6 @@ namespace {
 
 constexpr int kWidth = 200;
 constexpr int kHeight = 150;
-
-/// An analytic tree whose meshes are restricted quadtrees: diagonals lead to the middles of squares.
-struct QuadtreeTree : test::AnalyticTree {
-  codec::TileMesh quadtree(const codec::TileId& id) const {
-    codec::TileMesh out = mesh(id);
-    const std::int64_t step = stride(layout(), id.level);
-    for (std::size_t i = 0; i + 1 < out.triangles.size(); i += 2) {
-      const std::uint32_t nw = out.triangles[i][0];
-      const std::uint32_t sw = out.triangles[i][1];
-      const std::uint32_t ne = out.triangles[i][2];
-      const std::uint32_t se = out.triangles[i + 1][2];
-      if ((out.vertices[nw].x / step + out.vertices[nw].y / step) % 2 != 0) continue;
-      out.triangles[i] = {nw, sw, se};
-      out.triangles[i + 1] = {nw, se, ne};
-    }
-    return out;
-  }
-
-  void write_as(const std::string& path, const std::string& method, const codec::MeshCodec& codec) const {
-    cache::Manifest manifest;
-    manifest.method = method;
-    manifest.layout = layout();
-    if (color) {
-      manifest.texture_size = texture_size;
-      manifest.texture_codec = "bc1";
-    }
-    auto writer = cache::TileWriter::create(path, manifest);
-    ASSERT_TRUE(writer) << writer.error().text();
-    for (const codec::TileId& id : tiles()) {
-      const codec::TileMesh m = quadtree(id);
-      const auto payload = codec.encode(m);
-      ASSERT_TRUE(payload) << payload.error().text();
-      ASSERT_TRUE(writer->put({info(id, m), *payload}));
-      if (!color) continue;
-      ASSERT_TRUE(writer->put_picture(cache::PictureKind::kTexture, id, texture(id)));
-    }
-    ASSERT_TRUE(writer->finish());
-  }
-};
 
 struct Case {
   const char* name;
@@ -85,12 +48,12 @@ class StripSceneTest : public OsMesaTest, public testing::WithParamInterface<Cas
       tree_.color = [](const codec::TileId& id) -> std::array<std::uint8_t, 3> {
         return {static_cast<std::uint8_t>(60 * id.level), static_cast<std::uint8_t>(40 * id.x), 200};
       };
-    tree_.write_as(dir_.file("mesh.tintree"), "tin", *codec::find_codec("tin"));
+    test::write_tree(dir_.file("mesh.tintree"), "tin", *codec::find_codec("tin"), tree_);
     const codec::StripMesh packed;
     const codec::CodedStripMesh coded;
     const codec::MeshCodec& codec =
         c.coded ? static_cast<const codec::MeshCodec&>(coded) : static_cast<const codec::MeshCodec&>(packed);
-    tree_.write_as(dir_.file("strip.tintree"), "strip", codec);
+    test::write_tree(dir_.file("strip.tintree"), "strip", codec, tree_);
     functions_ = gl_;
     if (!c.compute) functions_.DispatchCompute = nullptr;
     for (const char* name : {"mesh.tintree", "strip.tintree"})
@@ -123,25 +86,13 @@ class StripSceneTest : public OsMesaTest, public testing::WithParamInterface<Cas
     return out;
   }
 
-  struct Seen {
-    Picture picture;
-    std::vector<double> depths;  ///< Metres; infinite behind the ground.
-    DrawStats stats;
-  };
-  Seen draw(TerrainScene& scene, const Camera& camera) {
-    const auto cut = scene.settle(camera);
-    EXPECT_TRUE(cut) << cut.error().text();
-    Seen out{.picture = {}, .depths = {}, .stats = scene.draw(*target_, camera, *cut, style_)};
-    out.picture = target_->read_picture();
-    const double near_m = scene.renderer().near_m(*cut);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) out.depths.push_back(near_m / target_->read_depth(x, y));
-    }
+  test::Seen draw(TerrainScene& scene, const Camera& camera) {
+    test::Seen out = test::see(scene, *target_, camera, style_);
     EXPECT_EQ(gl_.GetError(), static_cast<GLenum>(GL_NO_ERROR));
     return out;
   }
 
-  QuadtreeTree tree_;
+  test::QuadtreeTree tree_;
   test::TempDir dir_;
   GlFunctions functions_;
   std::vector<cache::TileStore> stores_;
@@ -154,23 +105,11 @@ TEST_P(StripSceneTest, LooksLikeItsMeshes) {
   const auto strips = open(1);
   ASSERT_TRUE(strips->pool().has_strips());
   for (const Camera& c : views()) {
-    const Seen a = draw(*meshes, c);
-    const Seen b = draw(*strips, c);
+    const test::Seen a = draw(*meshes, c);
+    const test::Seen b = draw(*strips, c);
     EXPECT_EQ(a.stats.triangles, b.stats.triangles);
     EXPECT_EQ(a.stats.tiles, b.stats.tiles);
-    double worst_px = 0;
-    double sum = 0;
-    std::size_t ground = 0;
-    for (std::size_t i = 0; i < a.depths.size(); ++i) {
-      ASSERT_EQ(std::isfinite(a.depths[i]), std::isfinite(b.depths[i])) << i;
-      if (!std::isfinite(a.depths[i])) continue;
-      ++ground;
-      worst_px = std::max(worst_px, std::abs(a.depths[i] - b.depths[i]) * c.focal_px() / a.depths[i]);
-      for (std::size_t k = 3 * i; k < 3 * i + 3; ++k) sum += std::abs(int{a.picture.rgb[k]} - int{b.picture.rgb[k]});
-    }
-    EXPECT_GT(ground, a.depths.size() / 4);
-    EXPECT_LT(worst_px, 0.05);
-    EXPECT_LT(sum / (3 * static_cast<double>(ground)), 0.5);
+    EXPECT_TRUE(test::look_alike(a, b, c));
   }
 }
 
@@ -180,7 +119,7 @@ TEST_P(StripSceneTest, TakesItsPlaceInTheMemory) {
   const auto scene = open(1, false, kBytes);
   std::uint64_t drawn = 0;
   for (const Camera& c : views()) {
-    const Seen seen = draw(*scene, c);
+    const test::Seen seen = draw(*scene, c);
     if (c.eye == views()[1].eye) drawn = seen.stats.triangles;
     EXPECT_LE(scene->pool().reserved_bytes(), kBytes);
     EXPECT_LE(scene->pool().bytes(), kBytes);

@@ -6,9 +6,12 @@
 #include <string>
 #include <vector>
 
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <gtest/gtest.h>
 
 #include "codec/wavelet_tiles.h"
+#include "render/ground_style.h"
 #include "render/terrain_scene.h"
 #include "tests/render/osmesa_test.h"
 #include "tests/support/temp_dir.h"
@@ -19,6 +22,7 @@ namespace {
 constexpr int kCells = 16;
 constexpr int kLeaf = 2;
 constexpr int kSize = 200;
+constexpr double kSpacingM = 10;
 
 /// A flat mesh at every level, and patches of any heights in metres over columns and rows.
 class FlatTree {
@@ -27,7 +31,7 @@ class FlatTree {
     layout_.columns = layout_.rows = (kCells << kLeaf) + 1;
     layout_.tile_cells = kCells;
     layout_.leaf_level = kLeaf;
-    layout_.dx_m = layout_.dy_m = 10;
+    layout_.dx_m = layout_.dy_m = kSpacingM;
     layout_.leaf_error_m = 1;
     layout_.z_step_m = {0.5, 0.25, 0.125};
   }
@@ -131,25 +135,17 @@ class WaveletSceneTest : public OsMesaTest {
     return std::move(*cut);
   }
 
-  /// Mean brightness of the picture's middle, and its root mean square deviation from that.
-  static std::array<double, 2> light(TerrainScene& scene, const Camera& camera, const LodCut& cut) {
+  /// How bright the picture's middle is: the green of its pixels, row by row.
+  static std::vector<double> light(TerrainScene& scene, const Camera& camera, const LodCut& cut) {
     const auto target = OffscreenTarget::create(gl_, kSize, kSize, 1);
     EXPECT_TRUE(target);
     scene.draw(*target, camera, cut, {});
     EXPECT_EQ(gl_.GetError(), static_cast<GLenum>(GL_NO_ERROR));
     const Picture picture = target->read_picture();
-    double sum = 0;
-    double squares = 0;
-    int count = 0;
-    for (int y = kSize / 4; y < kSize * 3 / 4; ++y) {
-      for (int x = kSize / 4; x < kSize * 3 / 4; ++x, ++count) {
-        const double green = picture.rgb[static_cast<std::size_t>(3 * (y * kSize + x) + 1)];
-        sum += green;
-        squares += green * green;
-      }
-    }
-    const double mean = sum / count;
-    return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean))};
+    std::vector<double> out;
+    for (int y = kSize / 4; y < kSize * 3 / 4; ++y)
+      for (int x = kSize / 4; x < kSize * 3 / 4; ++x) out.push_back(picture.at(x, y)[1]);
+    return out;
   }
 
   /// Levels drawn, and whether every tile has its relief.
@@ -171,25 +167,70 @@ class WaveletSceneTest : public OsMesaTest {
 
 double bumps(double column, double row) { return 4 * std::sin(0.9 * column) * std::cos(0.7 * row); }
 
+using HeightOf = std::function<double(double column, double row)>;
+
+/// The normal between the four nodes around a place, of central differences of the heights at the nodes.
+glm::dvec3 normal_at(const HeightOf& height_m, double column, double row) {
+  glm::dvec2 east_north{0, 0};
+  for (const int dx : {0, 1}) {
+    for (const int dy : {0, 1}) {
+      const double c = std::floor(column) + dx;
+      const double r = std::floor(row) + dy;
+      const glm::dvec3 n = glm::normalize(
+          glm::dvec3(height_m(c - 1, r) - height_m(c + 1, r), height_m(c, r + 1) - height_m(c, r - 1), 2 * kSpacingM));
+      east_north += glm::dvec2(n) * (1 - std::abs(column - c)) * (1 - std::abs(row - r));
+    }
+  }
+  return {east_north, std::sqrt(1 - glm::dot(east_north, east_north))};
+}
+
+/// Green light of the sun and the sky on a surface with that normal.
+double green_light(const glm::dvec3& normal) {
+  const Style style;
+  const double level = std::cos(style.sun_elevation_rad);
+  const glm::dvec3 to_sun(std::sin(style.sun_azimuth_rad) * level, std::cos(style.sun_azimuth_rad) * level,
+                          std::sin(style.sun_elevation_rad));
+  return 1.36 * std::max(glm::dot(normal, to_sun), 0.0) + std::lerp(0.07, 0.21, 0.5 + 0.5 * normal.z);
+}
+
+/// What becomes of a picture of level ground when the ground is lit as one of these heights, computed pixel by pixel.
+std::vector<double> relit(std::vector<double> flat, const HeightOf& height_m, const Camera& camera) {
+  auto at = flat.begin();
+  for (int y = kSize / 4; y < kSize * 3 / 4; ++y) {
+    for (int x = kSize / 4; x < kSize * 3 / 4; ++x, ++at) {
+      const glm::dvec3 ray = camera.ray(x + 0.5, y + 0.5);
+      const glm::dvec3 ground = camera.eye - ray * (camera.eye.z / ray.z);
+      const glm::dvec3 n = normal_at(height_m, ground.x / kSpacingM, -ground.y / kSpacingM);
+      *at = std::min(255.0, *at * std::pow(green_light(n) / green_light({0, 0, 1}), 1 / 2.2));
+    }
+  }
+  return flat;
+}
+
+double rms_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double squares = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) squares += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(squares / static_cast<double>(a.size()));
+}
+
 TEST_F(WaveletSceneTest, APatchsSamplesShowOnAMeshWithoutThem) {
-  const auto flat = tree([](double, double) { return 0.0; });
-  const auto bumpy = tree(bumps);
-  // Down to the north-west, where the sun stands: brighter than level ground, evenly.
-  const auto tilted = tree([](double column, double row) { return 3 * (column + row); });
   const Camera near = camera(150);
-  const auto light_of = [&](const cache::TileStore& store) {
+  const auto light_of = [&](const HeightOf& height_m) {
+    const auto store = tree(height_m);
     const auto made = scene(store);
     const LodCut cut = settled(*made, near);
     EXPECT_EQ(std::ranges::max(levels_with_relief(*made, cut)), kLeaf);
     return light(*made, near, cut);
   };
-  const auto [flat_mean, flat_spread] = light_of(flat);
-  const auto [bumpy_mean, bumpy_spread] = light_of(bumpy);
-  const auto [tilted_mean, tilted_spread] = light_of(tilted);
-  EXPECT_LT(flat_spread, 2);
-  EXPECT_GT(bumpy_spread, 5);
-  EXPECT_GT(tilted_mean, flat_mean + 10);
-  EXPECT_LT(tilted_spread, 2);
+  const std::vector<double> flat = light_of([](double, double) { return 0.0; });
+  // Down to the north-west, where the sun stands, and waves of nine and seven samples.
+  const std::vector<HeightOf> grounds{[](double column, double row) { return 3 * (column + row); }, bumps};
+  for (const HeightOf& height_m : grounds) {
+    const std::vector<double> expected = relit(flat, height_m, near);
+    const double most = 2;  // grey levels
+    EXPECT_LT(rms_difference(light_of(height_m), expected), most);
+    EXPECT_GT(rms_difference(flat, expected), 3 * most) << "there was to be something to see";
+  }
 }
 
 TEST_F(WaveletSceneTest, EveryTileHasItsReliefWhereverTheCameraJumps) {

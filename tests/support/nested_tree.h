@@ -4,10 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <string>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 #include "cache/tile_store.h"
 #include "codec/nested_mesh.h"
@@ -74,34 +71,27 @@ struct NestedTree {
   /// bend at most, which is 8.4 m in the leaves and the root.
   static double error_m(int level) { return 0.95 * layout().bound_m(level); }
 
-  static void write(const std::string& path) {
-    cache::Manifest manifest;
-    manifest.method = "nested";
-    manifest.layout = layout();
-    auto writer = cache::TileWriter::create(path, manifest);
-    ASSERT_TRUE(writer) << writer.error().text();
+  static cache::TileInfo info(const codec::TileId& id, const codec::TileMesh& mesh) {
+    cache::TileInfo out;
+    out.id = id;
+    out.vertices = static_cast<std::uint32_t>(mesh.vertices.size());
+    out.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+    const auto [low, high] = std::ranges::minmax(mesh.vertices, {}, &codec::GridVertex::z);
+    out.z_min_m = static_cast<double>(low.z + mesh.z_offset) * kStep_m;
+    out.z_max_m = static_cast<double>(high.z + mesh.z_offset) * kStep_m;
+    out.error_m = out.rms_m = error_m(id.level);
+    out.border_error_m = out.error_m / 2;
+    return out;
+  }
+
+  static std::vector<codec::TileId> tiles() {
+    std::vector<codec::TileId> out;
     for (int level = 0; level <= 2; ++level) {
       for (std::uint32_t y = 0; y < 1U << level; ++y) {
-        for (std::uint32_t x = 0; x < 1U << level; ++x) {
-          const codec::TileId id{level, x, y};
-          const codec::TileMesh m = mesh(id);
-          const auto payload = codec::NestedMesh().encode(m);
-          ASSERT_TRUE(payload) << payload.error().text();
-          cache::TileInfo info;
-          info.id = id;
-          info.vertices = static_cast<std::uint32_t>(m.vertices.size());
-          info.triangles = static_cast<std::uint32_t>(m.triangles.size());
-          const auto [low, high] = std::ranges::minmax(m.vertices, {}, &codec::GridVertex::z);
-          info.z_min_m = static_cast<double>(low.z + m.z_offset) * kStep_m;
-          info.z_max_m = static_cast<double>(high.z + m.z_offset) * kStep_m;
-          info.error_m = info.border_error_m = info.rms_m = error_m(level);
-          info.border_error_m /= 2;
-          ASSERT_TRUE(writer->put({info, *payload}));
-        }
+        for (std::uint32_t x = 0; x < 1U << level; ++x) out.push_back({level, x, y});
       }
     }
-    const auto digest = writer->finish();
-    ASSERT_TRUE(digest) << digest.error().text();
+    return out;
   }
 };
 
