@@ -10,6 +10,7 @@
 
 #include "cache/drawable_tile.h"
 #include "cache/nested_borders.h"
+#include "cache/nested_shape_packing.h"
 #include "codec/nested_points.h"
 #include "codec/sparse_grid.h"
 #include "codec/split_hierarchy.h"
@@ -18,27 +19,14 @@ namespace tintree::cache {
 namespace {
 
 constexpr std::size_t kFinest = NestedShape::kLevels - 1;
-/// Finer height steps than the stored ones, as digits: points that only coarser levels have lie between those.
-constexpr int kFinerZ = 4;
-
 /// Points by their places: kNone, a vertex's number, or below kNone the level of a gap.
 constexpr std::int32_t kNone = codec::kNoPoint;
 using Places = codec::PointNumbers;
 std::int32_t gap_of_level(int level) { return kNone - 1 - level; }
 int level_of_gap(std::int32_t found) { return kNone - 1 - found; }
 
-using Heights = std::array<double, NestedShape::kLevels>;
-using Normal = std::array<float, 2>;
-
-/// A point of the hierarchy while it is made.
-struct Point {
-  std::int32_t x = 0;
-  std::int32_t y = 0;
-  int level = 0;
-  bool gap = false;
-  Heights z{};                      // on every level's mesh, stored steps above the stored offset
-  std::array<Normal, 3> normals{};  // on levels 8, 7 and 6
-};
+using Heights = NestedShapePoint::Heights;
+using Point = NestedShapePoint;
 
 template <typename Numbers>
 Numbers mean(const Numbers& a, const Numbers& b) {
@@ -47,10 +35,6 @@ Numbers mean(const Numbers& a, const Numbers& b) {
   return out;
 }
 
-template <typename To>
-To packed(float share) {
-  return static_cast<To>(std::lround(share * static_cast<float>(std::numeric_limits<To>::max())));
-}
 template <typename From>
 float unpacked(From v) {
   return static_cast<float>(v) / static_cast<float>(std::numeric_limits<From>::max());
@@ -82,11 +66,12 @@ class ShapeMaker {
     for (const auto& [a, b] : codec::kSquareSides)
       codec::bisect(a, b, codec::NestedPoints::kBasePoints - 1, split, [](auto...) {});
     if (parent_ == nullptr) choose_own_levels();
-    order_points();
-    add_vertices();
-    shape_.skirt_sides = outline_.sides;
-    add_nested_borders(shape_, outline_);
-    return std::move(shape_);
+    codec::GridFrame frame = frame_;
+    frame.xy_shift = shift_;
+    NestedShape shape = pack_nested_shape(std::move(points_), frame, side_, bound_steps_);
+    shape.skirt_sides = outline_.sides;
+    add_nested_borders(shape, outline_);
+    return shape;
   }
 
  private:
@@ -245,59 +230,6 @@ class ShapeMaker {
     for (std::size_t i = 0; i < codec::NestedPoints::kBasePoints; ++i) points_[i].level = 0;
   }
 
-  /// By their levels, the five first.
-  void order_points() {
-    std::stable_sort(points_.begin() + codec::NestedPoints::kBasePoints, points_.end(),
-                     [](const Point& a, const Point& b) { return a.level < b.level; });
-    codec::NestedPoints hierarchy(std::countr_zero(static_cast<std::uint32_t>(side_)));
-    for (const Point& p : points_) {
-      hierarchy.add({p.x, p.y, 0, static_cast<std::uint8_t>(p.level), p.gap});
-      if (p.gap) shape_.gaps.push_back({p.x, p.y, static_cast<std::uint8_t>(p.level)});
-    }
-    shape_.fans = codec::nested_fans(hierarchy, NestedShape::kLevels);
-  }
-
-  void add_vertices() {
-    double highest = 1;
-    Heights largest{};
-    for (const std::int32_t i : shape_.fans.vertex_points) {
-      const Point& p = point(i);
-      highest = std::max(highest, p.z[kFinest]);
-      for (std::size_t k = 0; k < kFinest; ++k) largest[k] = std::max(largest[k], std::abs(p.z[k] - p.z[kFinest]));
-    }
-    int finer = kFinerZ;
-    while (finer > 0 && std::ldexp(highest, finer) > DrawVertex::kMostZ) --finer;
-    shape_.side = side_;
-    shape_.frame = frame_;
-    shape_.frame.xy_shift = shift_;
-    shape_.frame.z_offset <<= finer;
-    shape_.frame.z_step_m = std::ldexp(frame_.z_step_m, -finer);
-    for (std::size_t k = 0; k < kFinest; ++k) {
-      // A 64th of the level's tolerance, or what a byte needs.
-      double unit = std::ldexp(bound_steps_, static_cast<int>(kFinest - k) - 6 + finer);
-      while (std::ldexp(largest[k], finer) > 127 * unit) unit *= 2;
-      shape_.units[k] = static_cast<float>(unit);
-    }
-    for (const std::int32_t i : shape_.fans.vertex_points) shape_.vertices.push_back(pack(point(i), finer));
-  }
-
-  NestedVertex pack(const Point& p, int finer) const {
-    const auto x = static_cast<std::uint32_t>(p.x);
-    const auto y = static_cast<std::uint32_t>(p.y);
-    const auto z = static_cast<std::uint32_t>(std::llround(std::ldexp(p.z[kFinest], finer)));
-    NestedVertex out;
-    out.xy = (x & 0xffffU) | y << 16;
-    out.rest = z | (x >> 16) << 22 | (y >> 16) << 25;
-    for (std::size_t k = 0; k < kFinest; ++k) {
-      const double rise = std::ldexp(p.z[k] - p.z[kFinest], finer) / static_cast<double>(shape_.units[k]);
-      out.rises[k] = static_cast<std::int8_t>(std::lround(rise));
-    }
-    out.normal = {packed<std::int16_t>(p.normals[0][0]), packed<std::int16_t>(p.normals[0][1])};
-    out.coarse_normals = {packed<std::int8_t>(p.normals[1][0]), packed<std::int8_t>(p.normals[1][1]),
-                          packed<std::int8_t>(p.normals[2][0]), packed<std::int8_t>(p.normals[2][1])};
-    return out;
-  }
-
   const codec::TileMesh& mesh_;
   const DrawableTile& drawable_;
   const NestedShape* parent_;
@@ -313,7 +245,6 @@ class ShapeMaker {
   TileOutline outline_;
   std::array<std::int32_t, 4> parents_corners_{kNone, kNone, kNone, kNone};
   std::vector<Point> points_;
-  NestedShape shape_;
 };
 
 }  // namespace
