@@ -123,8 +123,9 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheFile) {
   expect_failure(view({dir_.path(), "--headless", "osmesa"}), 4, dir_.path());
   const std::string text = dir_.file("text.tintree");
   test::write_file(text, "this is no tree\n");
-  expect_failure(view({text, "--headless", "osmesa"}), 3, "text.tintree");
-  expect_failure(view({text, "--headless", "osmesa"}), 3, "tintree-build");
+  const auto no_tree = view({text, "--headless", "osmesa"});
+  expect_failure(no_tree, 3, "text.tintree");
+  expect_failure(no_tree, 3, "tintree-build");
   const std::string cut = dir_.file("cut.tintree");
   const std::string whole = test::read_file(tree_);
   test::write_file(cut, whole.substr(0, whole.size() / 2 + 100));

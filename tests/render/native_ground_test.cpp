@@ -28,6 +28,8 @@ using test::NestedTree;
 
 constexpr int kWidth = 120;
 constexpr int kHeight = 90;
+/// Depths at the rims of nested tiles are rounded otherwise than those of their meshes: a pixel in 2000.
+constexpr std::size_t kMostRim = kWidth * kHeight / 2000;
 constexpr double kAcross_m = 256 * NestedTree::kSpacing_m;
 
 /// Not what the ground says.
@@ -120,8 +122,9 @@ TEST_F(NativeGroundTest, IsLitByNormalMapsAsMeshesAre) {
       c.eye.x += aside;
       c.target.x += aside;
       const test::Seen seen = see(*native, c);
-      EXPECT_TRUE(test::look_alike(seen, see(*meshes, c), c)) << nested;
-      EXPECT_FALSE(test::look_alike(seen, see(*without, c), c)) << nested;
+      const std::size_t most_rim = nested ? kMostRim : 0;
+      EXPECT_TRUE(test::look_alike(seen, see(*meshes, c), c, most_rim)) << nested;
+      EXPECT_FALSE(test::look_alike(seen, see(*without, c), c, most_rim)) << nested;
     }
   }
 }
@@ -131,7 +134,7 @@ TEST_F(NativeGroundTest, ThreeMethodsInOneSceneLookLikeMeshes) {
   const auto meshes = scene(all(false), finest());
   for (const Camera& c : views()) {
     const test::Seen seen = see(*mixed, c);
-    EXPECT_TRUE(test::look_alike(seen, see(*meshes, c), c));
+    EXPECT_TRUE(test::look_alike(seen, see(*meshes, c), c, kMostRim));
     EXPECT_EQ(open_px(seen), 0);
   }
 }

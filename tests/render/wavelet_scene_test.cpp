@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -223,6 +224,8 @@ TEST_F(WaveletSceneTest, APatchsSamplesShowOnAMeshWithoutThem) {
     return light(*made, near, cut);
   };
   const std::vector<double> flat = light_of([](double, double) { return 0.0; });
+  const double mean = std::accumulate(flat.begin(), flat.end(), 0.0) / static_cast<double>(flat.size());
+  EXPECT_LT(rms_difference(flat, std::vector<double>(flat.size(), mean)), 2) << "level ground is lit evenly";
   // Down to the north-west, where the sun stands, and waves of nine and seven samples.
   const std::vector<HeightOf> grounds{[](double column, double row) { return 3 * (column + row); }, bumps};
   for (const HeightOf& height_m : grounds) {
