@@ -1,5 +1,6 @@
 /// bench_view: every Nth view of a flight, against the full-resolution surface (the audit's measure), against drawing
-/// the same triangles from one static buffer, and with and without looking for what nearer ground hides; or, with
+/// the same triangles and textures from one static buffer, and with and without looking for what nearer ground hides;
+/// or, with
 /// --impostors, against the surface alone. Prints one line of JSON; scripts/bench view reads it.
 
 #include <algorithm>
@@ -48,6 +49,9 @@ std::vector<render::Camera> cameras(const render::Flight& flight, const Options&
   return out;
 }
 
+/// Steps of 255: one lattice for the whole view moves vertices by less than a pixel.
+constexpr double kMostDifference = 1;
+
 template <typename Draw>
 double seconds_of(const render::GlFunctions& gl, const Draw& draw) {
   gl.Finish();
@@ -57,7 +61,15 @@ double seconds_of(const render::GlFunctions& gl, const Draw& draw) {
   return std::chrono::duration<double>(Clock::now() - begun).count();
 }
 
+/// How far two pictures of a size are apart, in steps of 255: the mean of their pixels.
+double mean_difference(const render::Picture& a, const render::Picture& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.rgb.size(); ++i) sum += std::abs(int{a.rgb[i]} - int{b.rgb[i]});
+  return sum / static_cast<double>(a.rgb.size());
+}
+
 /// Frame by frame the whole of a frame, cut and all, and the static buffer's, in turn; the least of the repeats.
+/// Fails with kCheckFailed where the two show different things.
 Expected<nlohmann::json> against_static(const cache::TileStore& store, const std::vector<render::Camera>& views,
                                         const Options& o) {
   const auto kind = o.headless == "egl" ? render::Headless::kEgl : render::Headless::kOsMesa;
@@ -74,6 +86,7 @@ Expected<nlohmann::json> against_static(const cache::TileStore& store, const std
   render::TerrainScene& scene = **made;
   double scene_seconds = 0, static_seconds = 0;
   std::uint64_t triangles = 0;
+  double difference = 0;
   for (const render::Camera& camera : views) {
     const auto cut = scene.settle(camera);
     if (!cut) return tl::unexpected(cut.error());
@@ -88,7 +101,15 @@ Expected<nlohmann::json> against_static(const cache::TileStore& store, const std
                             }));
       best_static = std::min(best_static, seconds_of(*gl, [&] { (*baked)->draw(scene.renderer(), *target, camera); }));
     }
+    (*baked)->draw(scene.renderer(), *target, camera);
+    const render::Picture still = target->read_picture();
     triangles += scene.draw(*target, camera, *cut, {}).triangles;
+    difference = std::max(difference, mean_difference(still, target->read_picture()));
+    if (difference > kMostDifference) {
+      return fail(ErrorCode::kCheckFailed, fmt::format("the static buffer shows something else than the frame: pixels "
+                                                       "are {:.2f} steps of 255 apart",
+                                                       difference));
+    }
     scene_seconds += best_scene;
     static_seconds += best_static;
   }
@@ -97,6 +118,7 @@ Expected<nlohmann::json> against_static(const cache::TileStore& store, const std
                         {"triangles_per_frame", static_cast<double>(triangles) / count},
                         {"scene_seconds", scene_seconds / count},
                         {"static_seconds", static_seconds / count},
+                        {"static_difference", difference},
                         {"ratio", scene_seconds / static_seconds}};
 }
 

@@ -1,7 +1,6 @@
 #include "tests/bench/view/static_scene.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -11,6 +10,7 @@ namespace tintree::bench {
 namespace {
 
 constexpr std::size_t kPoolBytes = std::size_t{2} << 30;
+constexpr const char* kNoRoom = "the card has no room for the static buffer";
 
 /// A lattice over the whole of a box, as fine as a vertex can hold.
 class Lattice {
@@ -58,47 +58,99 @@ cache::Box box_of(render::TerrainScene& scene, const render::LodCut& cut) {
   return whole;
 }
 
+/// As much as the scene's own for what lies on leaves.
+render::GpuBudgets budgets(const render::TerrainScene& scene) {
+  const std::size_t fine_bytes = scene.pool().fine_textures().reserved_bytes();
+  return {.mesh_bytes = kPoolBytes,
+          .picture_bytes = kPoolBytes,
+          .fine_texture_bytes = fine_bytes,
+          .fine_texture_kinds = std::size_t{fine_bytes > 0}};
+}
+
+cache::TileRef ref_of(render::Trees trees, const render::DrawTile& d) {
+  return {trees[d.tree]->nodes()[d.node].id, d.tree};
+}
+
 }  // namespace
 
-StaticScene::StaticScene(const render::GlFunctions& gl) : pool_(gl, {.mesh_bytes = kPoolBytes}) {}
+StaticScene::StaticScene(const render::GlFunctions& gl, render::TerrainScene& scene, const render::LodCut& cut)
+    : scene_(scene), pool_(gl, budgets(scene)), cut_(cut) {}
 
 Expected<std::unique_ptr<StaticScene>> StaticScene::bake(const render::GlFunctions& gl, render::TerrainScene& scene,
                                                          const render::LodCut& cut) {
-  const Lattice lattice(box_of(scene, cut));
+  std::unique_ptr<StaticScene> out(new StaticScene(gl, scene, cut));
+  bool pictures = false;
+  for (const render::DrawTile& d : cut.draws) {
+    const auto tile = out->tile_of(ref_of(scene.trees(), d));
+    if (!tile) return tl::unexpected(tile.error());
+    if ((*tile)->vertices.empty())
+      return fail(ErrorCode::kBadData, "only meshes can be baked; choose a tree of method tin");
+    pictures = pictures || (*tile)->pictures.bytes() > 0;
+  }
+  const auto baked = pictures ? out->bake_tile_by_tile() : out->bake_as_one();
+  if (!baked) return tl::unexpected(baked.error());
+  return out;
+}
+
+Expected<std::shared_ptr<const cache::DrawableTile>> StaticScene::tile_of(const cache::TileRef& ref) const {
+  auto tile = scene_.cache().get(ref);
+  if (tile == nullptr) return fail(ErrorCode::kBadData, "a drawn tile has left the memory; give the cache more");
+  return tile;
+}
+
+Expected<void> StaticScene::bake_tile_by_tile() {
+  trees_.assign(scene_.trees().begin(), scene_.trees().end());
+  for (const render::DrawTile& d : cut_.draws) {
+    const cache::TileRef ref = ref_of(trees_, d);
+    const auto tile = tile_of(ref);
+    if (!tile) return tl::unexpected(tile.error());
+    if (!pool_.upload(ref, **tile)) return fail(ErrorCode::kIo, kNoRoom);
+    for (std::uint32_t p = 0; p < d.parts; ++p) {
+      const cache::TileRef square{cut_.parts[d.first_part + p].texture, d.tree};
+      const auto part = tile_of(square);
+      if (!part) return tl::unexpected(part.error());
+      if (!pool_.fine_textures().upload(square, (*part)->pictures.colors)) return fail(ErrorCode::kIo, kNoRoom);
+    }
+  }
+  return {};
+}
+
+Expected<void> StaticScene::bake_as_one() {
+  const Lattice lattice(box_of(scene_, cut_));
   cache::DrawableTile all;
   std::vector<std::uint32_t> skirts;  // After all surfaces, as in any tile.
-  for (const render::DrawTile& d : cut.draws) {
-    const auto tile = scene.cache().get({scene.trees()[d.tree]->nodes()[d.node].id, d.tree});
-    if (tile == nullptr) return fail(ErrorCode::kBadData, "a drawn tile has left the memory; give the cache more");
+  for (const render::DrawTile& d : cut_.draws) {
+    const auto tile = tile_of(ref_of(scene_.trees(), d));
+    if (!tile) return tl::unexpected(tile.error());
+    const cache::DrawableTile& t = **tile;
     const auto base = static_cast<std::uint32_t>(all.vertices.size());
-    for (const cache::DrawVertex& v : tile->vertices) all.vertices.push_back(lattice.vertex(tile->frame, v));
-    for (std::size_t i = 0; i < tile->index_count(); ++i) {
-      (i < 3 * std::size_t{tile->surface_triangles} ? all.wide_indices : skirts).push_back(base + tile->index(i));
+    for (const cache::DrawVertex& v : t.vertices) all.vertices.push_back(lattice.vertex(t.frame, v));
+    for (std::size_t i = 0; i < t.index_count(); ++i) {
+      (i < 3 * std::size_t{t.surface_triangles} ? all.wide_indices : skirts).push_back(base + t.index(i));
     }
-    all.surface_triangles += tile->surface_triangles;
+    all.surface_triangles += t.surface_triangles;
   }
   all.wide_indices.insert(all.wide_indices.end(), skirts.begin(), skirts.end());
   all.frame = lattice.frame();
-  std::unique_ptr<StaticScene> out(new StaticScene(gl));
-  if (!out->pool_.upload({}, all)) return fail(ErrorCode::kIo, "the card has no room for the static buffer");
-  const cache::Box box = scene.bounds().box(scene.bounds().nodes().front());
-  out->bounds_ = cache::TileBounds(scene.bounds().layout(), std::vector<cache::TileInfo>{{.id = {},
-                                                                                          .vertices = 0,
-                                                                                          .triangles = 0,
-                                                                                          .z_min_m = box.min[2],
-                                                                                          .z_max_m = box.max[2],
-                                                                                          .error_m = 0,
-                                                                                          .rms_m = 0,
-                                                                                          .border_error_m = 0}});
-  out->cut_ = cut;
-  out->cut_.draws = {{0, 0, 0, cut.nearest_m, cut.farthest_m, false}};
-  return out;
+  if (!pool_.upload({}, all)) return fail(ErrorCode::kIo, kNoRoom);
+  const cache::TileBounds& bounds = scene_.bounds();
+  const cache::Box box = bounds.box(bounds.nodes().front());
+  whole_ = cache::TileBounds(bounds.layout(), std::vector<cache::TileInfo>{{.id = {},
+                                                                            .vertices = 0,
+                                                                            .triangles = 0,
+                                                                            .z_min_m = box.min[2],
+                                                                            .z_max_m = box.max[2],
+                                                                            .error_m = 0,
+                                                                            .rms_m = 0,
+                                                                            .border_error_m = 0}});
+  trees_ = {&whole_};
+  cut_.draws = {{0, 0, 0, cut_.nearest_m, cut_.farthest_m, false}};
+  return {};
 }
 
 render::DrawStats StaticScene::draw(const render::Renderer& renderer, const render::OffscreenTarget& target,
                                     const render::Camera& camera) {
-  const std::array<const cache::TileBounds*, 1> trees{&bounds_};
-  return renderer.draw(target, camera, trees, cut_, pool_, {});
+  return renderer.draw(target, camera, trees_, cut_, pool_, {});
 }
 
 }  // namespace tintree::bench
