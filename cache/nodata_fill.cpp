@@ -13,6 +13,7 @@
 #include <gdal_alg.h>
 #include <gdal_priv.h>
 
+#include "cache/gdal_message.h"
 #include "cache/raster_source.h"
 
 namespace tintree::cache {
@@ -61,9 +62,7 @@ std::int64_t rows_at_once(std::int64_t columns) {
 Error stopped() { return {ErrorCode::kStopped, "stopped while filling holes", {}}; }
 
 Error gdal_failure(const std::string& folder) {
-  const std::string reason = CPLGetLastErrorMsg();
-  return {ErrorCode::kIo, "holes cannot be filled (" + (reason.empty() ? "GDAL gives no reason" : reason) + ")",
-          folder};
+  return {ErrorCode::kIo, "holes cannot be filled (" + last_gdal_message() + ")", folder};
 }
 
 /// Reports rows done of a copy; fails when the build is to stop. A sudden end would leave the work folder behind.

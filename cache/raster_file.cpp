@@ -12,15 +12,12 @@
 #include <ogr_spatialref.h>
 #include <sys/stat.h>
 
+#include "cache/gdal_message.h"
+
 namespace tintree::cache {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-std::string last_gdal_message() {
-  const std::string message = CPLGetLastErrorMsg();
-  return message.empty() ? "GDAL gives no reason" : message;
-}
 
 std::string wkt_of(const OGRSpatialReference* srs) {
   if (srs == nullptr) return {};
