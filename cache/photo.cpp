@@ -32,7 +32,7 @@ void DatasetCloser::operator()(GDALDataset* dataset) const { GDALClose(GDALDatas
 Expected<Photo> Photo::open(const std::string& path) {
   Photo out(path);
   CPLErrorReset();
-  out.dataset_.reset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+  out.dataset_.reset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
   if (!out.dataset_) {
     const bool missing = ::access(path.c_str(), F_OK) != 0 && path.find(':') == std::string::npos;
     if (missing) return fail(ErrorCode::kIo, "no such file", path);

@@ -46,6 +46,9 @@ void register_drivers() {
   std::call_once(registered, [] {
     GDALAllRegister();
     CPLSetErrorHandler(CPLQuietErrorHandler);
+    // Else what is missing of a JPEG is grey, without a word. Who wants it that way may say so.
+    constexpr const char* kJpegErrors = "GDAL_ERROR_ON_LIBJPEG_WARNING";
+    if (CPLGetConfigOption(kJpegErrors, nullptr) == nullptr) CPLSetConfigOption(kJpegErrors, "YES");
   });
 }
 

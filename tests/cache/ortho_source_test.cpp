@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include <gdal_priv.h>
 #include <gdal_utils.h>
@@ -169,6 +170,109 @@ TEST_F(OrthoSourceTest, AlphaAndLaterPhotosDecide) {
   }
 }
 
+/// One band of 8 bits on the DEM's own grid, for which `change` has been called before it was written.
+template <typename Value, typename Change>
+void write_band(const std::string& path, const char* driver, const RasterInfo& dem, const Value& value,
+                const Change& change) {
+  const int columns = static_cast<int>(dem.columns);
+  const int rows = static_cast<int>(dem.rows);
+  std::vector<std::uint8_t> pixels;
+  for (int i = 0; i < columns * rows; ++i) pixels.push_back(static_cast<std::uint8_t>(value(i % columns, i / columns)));
+  GDALDriverManager& drivers = *GetGDALDriverManager();
+  const GDALDatasetUniquePtr memory(drivers.GetDriverByName("MEM")->Create("", columns, rows, 1, GDT_Byte, nullptr));
+  GeoTransform place = dem.geotransform;
+  memory->SetGeoTransform(place.data());
+  memory->SetProjection(dem.crs_wkt.c_str());
+  const CPLErr written = memory->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, columns, rows, pixels.data(), columns, rows,
+                                                            GDT_Byte, 0, 0, nullptr);
+  ASSERT_EQ(written, CE_None);
+  change(*memory);
+  const GDALDatasetUniquePtr copy(
+      drivers.GetDriverByName(driver)->CreateCopy(path.c_str(), memory.get(), FALSE, nullptr, nullptr, nullptr));
+  ASSERT_TRUE(copy) << CPLGetLastErrorMsg();
+}
+
+/// A colour table's own colours, with its transparent ones: memory, not only values, was wrong here once.
+TEST_F(OrthoSourceTest, AColourTableGivesItsColours) {
+  const auto entry = [](int i) { return std::array{i, 255 - i, (7 * i) % 256, i < 20 ? 0 : 255}; };
+  const auto add_table = [&](GDALDataset& d) {
+    GDALColorTable table;
+    for (int i = 0; i < 256; ++i) {
+      const auto e = entry(i);
+      const GDALColorEntry color{static_cast<short>(e[0]), static_cast<short>(e[1]), static_cast<short>(e[2]),
+                                 static_cast<short>(e[3])};
+      table.SetColorEntry(i, &color);
+    }
+    d.GetRasterBand(1)->SetColorTable(&table);
+  };
+  // A TIFF's table has no alpha.
+  write_band(
+      photo_, "PNG", *dem_, [](int c, int r) { return c + 5 * r; }, add_table);
+  for (const bool staged : {false, true}) {
+    auto source = open();
+    ASSERT_TRUE(source.has_value()) << source.error().text();
+    const auto go_on = [](const std::string&, std::uint64_t, std::uint64_t) { return true; };
+    ASSERT_TRUE(source->stage(dir_.path(), staged ? 1 : 1 << 20, go_on).has_value());
+    const auto window = source->read(1, 0, 0, 41, 31);
+    ASSERT_TRUE(window.has_value()) << window.error().text();
+    for (int r = 0; r < 31; ++r) {
+      for (int c = 0; c < 41; ++c) {
+        const auto e = entry(c + 5 * r);
+        ASSERT_EQ(texel(*window, c, r), e[3] > 0 ? e : (std::array<int, 4>{})) << c << " " << r;
+      }
+    }
+  }
+}
+
+/// Nodata and a mask band cover as little as alpha does; one band is grey.
+TEST_F(OrthoSourceTest, WhatIsMaskedOutIsNotCovered) {
+  const auto value = [](int c, int r) { return c < 20 ? 0 : 10 + c + r; };
+  const auto state_nodata = [](GDALDataset& d) { d.GetRasterBand(1)->SetNoDataValue(0); };
+  const auto add_mask = [](GDALDataset& d) {
+    ASSERT_EQ(d.CreateMaskBand(GMF_PER_DATASET), CE_None);
+    std::vector<std::uint8_t> mask;
+    for (int i = 0; i < 41 * 31; ++i) mask.push_back(i % 41 < 20 ? 0 : 255);
+    ASSERT_EQ(d.GetRasterBand(1)->GetMaskBand()->RasterIO(GF_Write, 0, 0, 41, 31, mask.data(), 41, 31, GDT_Byte, 0, 0,
+                                                          nullptr),
+              CE_None);
+  };
+  for (const bool by_mask : {false, true}) {
+    write_band(photo_, "GTiff", *dem_, value, [&](GDALDataset& d) { by_mask ? add_mask(d) : state_nodata(d); });
+    const auto source = open();
+    ASSERT_TRUE(source.has_value()) << source.error().text();
+    const auto window = source->read(1, 0, 0, 41, 31);
+    ASSERT_TRUE(window.has_value()) << window.error().text();
+    for (int r = 0; r < 31; ++r) {
+      for (int c = 0; c < 41; ++c) {
+        const int grey = 10 + c + r;
+        ASSERT_EQ(texel(*window, c, r), c < 20 ? (std::array<int, 4>{}) : (std::array{grey, grey, grey, 255}))
+            << c << " " << r << " by mask: " << by_mask;
+      }
+    }
+  }
+}
+
+/// What ends too early is an error that names the photo, whatever the format: of a JPEG the rest would be grey.
+TEST_F(OrthoSourceTest, ACutFileIsAnError) {
+  const std::string whole = dir_.file("whole.tif");
+  test::write_photo(whole, {.columns = 164, .rows = 124, .dx = 2.5, .dy = 2.5}, false, test::meadow);
+  for (const char* driver : {"GTiff", "JPEG", "PNG"}) {
+    photo_ = dir_.file(driver);
+    GDALDatasetUniquePtr copy(GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy(
+        photo_.c_str(), GDALDatasetUniquePtr(GDALDataset::Open(whole.c_str())).get(), FALSE, nullptr, nullptr,
+        nullptr));
+    copy.reset();
+    ASSERT_TRUE(open()->read(1, 0, 0, 41, 31).has_value()) << driver;
+    std::filesystem::resize_file(photo_, std::filesystem::file_size(photo_) / 2);
+    const auto source = open();
+    ASSERT_TRUE(source.has_value()) << driver << source.error().text();
+    const auto window = source->read(1, 0, 0, 41, 31);
+    ASSERT_FALSE(window.has_value()) << driver;
+    EXPECT_EQ(window.error().code, ErrorCode::kIo);
+    EXPECT_EQ(window.error().where, photo_);
+  }
+}
+
 TEST_F(OrthoSourceTest, StagedItReadsTheSame) {
   test::write_photo(photo_, {.columns = 60, .rows = 50, .dx = 7, .dy = 7}, false, test::meadow);
   auto source = open();
@@ -192,6 +296,9 @@ TEST_F(OrthoSourceTest, RefusesWhatCannotBeDraped) {
   expect_refused(ErrorCode::kBadData, "no georeference");
   test::write_photo(photo_, {.columns = 9, .rows = 9, .west = 90000}, false, test::meadow);
   expect_refused(ErrorCode::kBadData, "does not meet the DEM");
+  std::filesystem::resize_file(photo_, 0);
+  expect_refused(ErrorCode::kBadData, "not recognized");
+  std::filesystem::remove(photo_);
   test::write_raster(photo_, {.columns = 9, .rows = 9, .type = test::SampleType::kInt16},
                      [](int c, int r) { return c + r; });
   expect_refused(ErrorCode::kBadData, "gdal_translate -ot Byte");
