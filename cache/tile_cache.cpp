@@ -138,6 +138,12 @@ std::shared_ptr<const DrawableTile> TileCache::get(const TileRef& tile) {
   return at->second->tile;
 }
 
+std::shared_ptr<const DrawableTile> TileCache::peek(const TileRef& tile) const {
+  const std::scoped_lock lock(turn_);
+  const auto at = by_ref_.find(tile);
+  return at != by_ref_.end() ? at->second->tile : nullptr;
+}
+
 void TileCache::request(std::span<const TileRef> needed, std::span<const TileRef> ahead) {
   {
     const std::scoped_lock lock(turn_);

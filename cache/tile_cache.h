@@ -69,6 +69,8 @@ class TileCache {
 
   /// The tile if it is here, else null. Does not ask for it.
   std::shared_ptr<const DrawableTile> get(const TileRef& tile);
+  /// The same, without taking it for needed.
+  std::shared_ptr<const DrawableTile> peek(const TileRef& tile) const;
 
   /// Asks for these tiles, the most urgent first, in place of all that was asked before and has not begun. A view
   /// calls this once a frame with what it misses (`needed`) and what it may want next (`ahead`), which is

@@ -45,6 +45,11 @@ FineTextures::~FineTextures() {
   gl_->DeleteTextures(1, &table_);
 }
 
+std::optional<bool> FineTextures::find(const cache::TileRef& square) const {
+  const auto at = by_square_.find(square);
+  return at != by_square_.end() ? std::optional(at->second->array != nullptr) : std::nullopt;
+}
+
 std::optional<bool> FineTextures::use(const cache::TileRef& square) {
   const auto at = by_square_.find(square);
   if (at == by_square_.end()) return std::nullopt;

@@ -30,7 +30,9 @@ class FineTextures {
   FineTextures(const FineTextures&) = delete;
   FineTextures& operator=(const FineTextures&) = delete;
 
-  /// Whether the square has a texture, marked as used in this frame; nothing while that is not known here.
+  /// Whether the square has a texture; nothing while that is not known here.
+  std::optional<bool> find(const cache::TileRef& square) const;
+  /// The same, marked as used in this frame.
   std::optional<bool> use(const cache::TileRef& square);
   /// Copies a square's texture to the card, or keeps in mind that it has none (size 0), and marks it as used in this
   /// frame. False when it does not fit beside what this frame has used so far.

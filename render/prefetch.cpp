@@ -8,6 +8,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "render/impostor.h"
+#include "render/leaf_squares.h"
 #include "render/screen_error.h"
 
 namespace tintree::render {
@@ -29,8 +31,9 @@ double most_vertical_gain(const Camera& camera) {
 
 class SphereWalk {
  public:
-  SphereWalk(Trees trees, const Camera& camera, const CutOptions& options, const TileStates& states)
-      : trees_(trees), camera_(camera), options_(options), states_(states) {
+  SphereWalk(Trees trees, const Camera& camera, const CutOptions& options, const TileStates& states,
+             const TextureStates& textures)
+      : trees_(trees), camera_(camera), options_(options), states_(states), textures_(textures) {
     corner_cosine_ = 1 / std::hypot(1.0, camera.tan_half_x(), camera.tan_half_y());
     most_gain_ = most_vertical_gain(camera);
   }
@@ -55,14 +58,38 @@ class SphereWalk {
   void visit(std::uint32_t tree, std::uint32_t index, double need_px) {
     const cache::TileBounds& bounds = *trees_[tree];
     const cache::TileNode& node = bounds.nodes()[index];
-    const double error_px = most_error_px(bounds.box(node), static_cast<double>(node.lod_error_m));
-    if (node.child_mask == 0 || error_px <= options_.pixel_error) {
+    const cache::Box box = bounds.box(node);
+    const double error_px = most_error_px(box, static_cast<double>(node.lod_error_m));
+    const bool on_leaf = bounds.layout().is_leaf_square(node.id.level);
+    const double texel_px = on_leaf ? 0 : most_texel_px(box, bounds.texel_m(node.id.level));
+    if (node.child_mask == 0 || (error_px <= options_.pixel_error && texel_px <= options_.texel_px)) {
       if (states_(tree, index) == TileState::kMissing) found_.push_back({{node.id, tree}, need_px});
+      if (LeafSquares::are_on(bounds, node)) visit(tree, LeafSquares(bounds, node), {});
       return;
     }
     for (int i = 0; i < std::popcount(node.child_mask); ++i) {
-      visit(tree, node.first_child + static_cast<std::uint32_t>(i), error_px);
+      visit(tree, node.first_child + static_cast<std::uint32_t>(i), std::max(error_px, texel_px));
     }
+  }
+
+  /// What lies on the quadrants of a square that has a texture.
+  void visit(std::uint32_t tree, const LeafSquares& squares, const LeafSquare& square) {
+    if (squares.is_finest(square)) return;
+    const double texel_px = most_texel_px(squares.box(square), squares.texel_m(square));
+    if (texel_px <= options_.texel_px) return;
+    for (std::uint32_t q = 0; q < 4; ++q) {
+      const LeafSquare quadrant = square.quadrant(q);
+      if (squares.is_beyond(quadrant)) continue;
+      const cache::TileRef ref{squares.id(quadrant), tree};
+      const TextureState state = textures_(ref);
+      if (state == TextureState::kMissing) found_.push_back({ref, texel_px});
+      if (state == TextureState::kResident || state == TextureState::kLost) visit(tree, squares, quadrant);
+    }
+  }
+
+  /// What the side of a texel in a box takes at most, whichever way the camera looks.
+  double most_texel_px(const cache::Box& box, double texel_m) const {
+    return texel_m > 0 ? texel_m * camera_.focal_px() / (nearest_m(box, camera_.eye) * corner_cosine_) : 0;
   }
 
   /// ScreenError::bound_px() whichever way the camera looks. A point at distance d, r of it level, is seen at depth
@@ -87,6 +114,7 @@ class SphereWalk {
   const Camera& camera_;
   const CutOptions& options_;
   const TileStates& states_;
+  const TextureStates& textures_;
   double corner_cosine_ = 1;
   double most_gain_ = 1;
   std::vector<Found> found_;
@@ -124,8 +152,8 @@ Camera CameraTrail::ahead(double seconds) const {
 }
 
 std::vector<cache::TileRef> prefetch(Trees trees, const Camera& ahead, const CutOptions& options,
-                                     const TileStates& states, std::size_t most) {
-  return SphereWalk(trees, ahead, options, states).run(most);
+                                     const TileStates& states, const TextureStates& textures, std::size_t most) {
+  return SphereWalk(trees, ahead, options, states, textures).run(most);
 }
 
 }  // namespace tintree::render

@@ -7,6 +7,7 @@
 #include "cache/tile_ref.h"
 #include "render/camera.h"
 #include "render/lod_cut.h"
+#include "render/texture_parts.h"
 
 namespace tintree::render {
 
@@ -31,10 +32,12 @@ class CameraTrail {
 };
 
 /// Tiles that an eye where `ahead` is would want in whichever direction it looks, and that are missing: of every level
-/// those near enough that the error of the level above them could be more than options.pixel_error pixels somewhere in
-/// some picture from there (Wahl et al. 2004, section 5, Caching & Prefetching). Those with the largest need, by
-/// the projected error of their parents, first; at most `most`. Pure. Cost: about 0.1 us a node visited.
+/// those near enough that the error or the texels of the level above them could be larger than `options` allow
+/// somewhere in some picture from there (Wahl et al. 2004, section 5, Caching & Prefetching), and likewise the finer
+/// textures on the leaves among them (render/texture_parts.h), below those that are resident. Those with the largest
+/// need, by the projected error or texels of what is round them, first; at most `most`. Pure. Cost: about 0.1 us a node
+/// visited.
 std::vector<cache::TileRef> prefetch(Trees trees, const Camera& ahead, const CutOptions& options,
-                                     const TileStates& states, std::size_t most);
+                                     const TileStates& states, const TextureStates& textures, std::size_t most);
 
 }  // namespace tintree::render

@@ -195,13 +195,25 @@ void TerrainScene::count_misses(std::span<const cache::TileRef> missing) {
 
 std::vector<cache::TileRef> TerrainScene::tiles_ahead(const Camera& camera, double seconds) {
   trail_.add(seconds, camera);
-  return prefetch(
-      trees_, trail_.ahead(kAhead_s), options_.cut,
-      [this](std::uint32_t tree, std::uint32_t node) {
-        const cache::TileRef tile{trees_[tree]->nodes()[node].id, tree};
-        return pool_.contains(tile) ? TileState::kResident : TileState::kMissing;
-      },
-      kMostAhead);
+  std::vector<cache::TileRef> kept;
+  const TileStates state = [this](std::uint32_t tree, std::uint32_t node) {
+    const cache::TileRef tile{trees_[tree]->nodes()[node].id, tree};
+    return pool_.contains(tile) ? TileState::kResident : TileState::kMissing;
+  };
+  // What has been loaded ahead says whether there are finer ones, and stays where it is.
+  const TextureStates texture = [this, &kept](const cache::TileRef& square) {
+    if (const auto here = pool_.fine_textures().find(square)) {
+      return *here ? TextureState::kResident : TextureState::kNone;
+    }
+    if (cache_->lost(square)) return TextureState::kLost;
+    const auto ready = cache_->peek(square);
+    if (ready == nullptr) return TextureState::kMissing;
+    kept.push_back(square);
+    return ready->pictures.colors.size > 0 ? TextureState::kResident : TextureState::kNone;
+  };
+  auto out = prefetch(trees_, trail_.ahead(kAhead_s), options_.cut, state, texture, kMostAhead);
+  out.insert(out.end(), kept.begin(), kept.end());
+  return out;
 }
 
 LodCut TerrainScene::advance(const Camera& camera, std::optional<double> seconds) {

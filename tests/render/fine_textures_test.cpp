@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "render/terrain_scene.h"
 #include "tests/render/analytic_tree.h"
@@ -308,6 +309,54 @@ TEST_F(FineTexturesTest, LeavesWithoutKeepTheirOwn) {
   }
   EXPECT_GT(fields, 300);
   EXPECT_GT(blue, 300);
+}
+
+// Flying straight on, the cache has what the view will want a second later, as a scene that is there tells; and what
+// the present view shows stays, in as much memory as was given.
+TEST_F(FineTexturesTest, AreLoadedAhead) {
+  tree_.columns = tree_.rows = 257;
+  use_chessboard();
+  use_plain();
+  tree_.write(path_);
+  const auto at = [](double seconds) {
+    const glm::dvec3 eye(300 + 700 * seconds, -1280, 60);
+    return camera(eye, eye + glm::dvec3(50, 0, -40));
+  };
+  constexpr double kNow = 0.5;
+  open();
+  std::vector<cache::TileRef> wanted;
+  for (const auto& part : [&] {
+         picture(at(kNow + 1));
+         return cut_.parts;
+       }())
+    wanted.push_back({part.texture, 0});
+  ASSERT_GT(wanted.size(), 20U);
+  picture(at(kNow));
+  std::set<std::uint64_t> here;
+  for (const TexturePart& p : cut_.parts) here.insert(p.texture.key());
+  const std::size_t all_bytes = scene_->frame_stats().cache_bytes;
+  std::erase_if(wanted, [&](const cache::TileRef& t) { return here.contains(t.id.key()); });
+  ASSERT_GT(wanted.size(), 20U) << "nothing to load ahead";
+  for (const bool roomy : {true, false}) {
+    SceneOptions options;
+    if (!roomy) options.cache_bytes = all_bytes / 4;
+    open(options);
+    ASSERT_TRUE(scene_->settle(at(kNow)));
+    for (int i = 0; i <= 10; ++i) scene_->update(at(kNow * i / 10), kNow * i / 10);
+    ASSERT_TRUE(scene_->settle(at(kNow)));
+    const auto lacks = [this, &wanted] {
+      return std::ranges::count_if(wanted,
+                                   [this](const cache::TileRef& t) { return scene_->cache().peek(t) == nullptr; });
+    };
+    for (int i = 0; i < (roomy ? 5000 : 100) && lacks() > 0; ++i) {
+      const LodCut cut = scene_->update(at(kNow), kNow);
+      EXPECT_TRUE(cut.complete);
+      usleep(1000);
+    }
+    EXPECT_EQ(lacks() == 0, roomy) << lacks() << " of " << wanted.size();
+    EXPECT_TRUE(scene_->update(at(kNow)).complete);
+    EXPECT_LE(scene_->cache().stats().bytes, options.cache_bytes);
+  }
 }
 
 }  // namespace
