@@ -311,6 +311,37 @@ TEST_F(FineTexturesTest, LeavesWithoutKeepTheirOwn) {
   EXPECT_GT(blue, 300);
 }
 
+// A card without S3TC gets plain texels, of leaves and of what is finer: the same picture but for rounding.
+TEST_F(FineTexturesTest, LooksTheSameWithoutCompressedTextures) {
+  tree_.photo = [](const TileId& id, double column, double row) -> Rgb {
+    const auto wave = [](double v) { return static_cast<std::uint8_t>(std::lround(128 + 90 * std::sin(v))); };
+    return {wave(column / 7), wave(row / 5), static_cast<std::uint8_t>(20 * id.level)};
+  };
+  use_hills();
+  tree_.write(path_);
+  const std::array views{above(150), above(5000)};
+  std::vector<Picture> packed;
+  ASSERT_TRUE(gl_.texture_blocks);
+  for (const bool blocks : {true, false}) {
+    gl_.texture_blocks = blocks;
+    open();
+    gl_.texture_blocks = true;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const Picture p = picture(views[i]);
+      EXPECT_TRUE(cut_.complete);
+      EXPECT_EQ(cut_.parts.empty(), i > 0);
+      const auto tile = scene_->cache().peek({scene_->bounds().nodes()[cut_.draws.front().node].id, 0});
+      ASSERT_NE(tile, nullptr);
+      EXPECT_EQ(tile->pictures.colors.format, blocks ? codec::PixelFormat::kBc1 : codec::PixelFormat::kRgba8);
+      if (blocks) {
+        packed.push_back(p);
+      } else {
+        EXPECT_LE(largest_difference(p, packed[i]), 3) << i;
+      }
+    }
+  }
+}
+
 // Flying straight on, the cache has what the view will want a second later, as a scene that is there tells; and what
 // the present view shows stays, in as much memory as was given.
 TEST_F(FineTexturesTest, AreLoadedAhead) {
