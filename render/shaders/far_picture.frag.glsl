@@ -15,6 +15,19 @@ uniform sampler2D depths;
 
 out vec4 color;
 
+// Of the nearest texel, or, on an outline where nothing was drawn there, of the nearest ground among those that the
+// colour is mixed of.
+float depth_at(vec2 where) {
+  float stored = texture(depths, where).x;
+  if (stored > 0.0) return stored;
+  ivec2 last = textureSize(depths, 0) - 1;
+  ivec2 first = ivec2(floor(where * vec2(last + 1) - 0.5));
+  for (int i = 0; i < 4; ++i) {
+    stored = max(stored, texelFetch(depths, clamp(first + ivec2(i & 1, i >> 1), ivec2(0), last), 0).x);
+  }
+  return stored;
+}
+
 void main() {
   vec3 ray = normalize(direction);
   float ahead = dot(moved, ray);
@@ -24,8 +37,7 @@ void main() {
   if (depth <= 0.0 || max(abs(place.x), abs(place.y)) > 1.0) discard;
   color = texture(colors, 0.5 + 0.5 * place);
   if (color.a == 0.0) discard;
-  // Where nothing was drawn the nearest texel has no depth, though the colours round it have some.
-  float stored = texture(depths, 0.5 + 0.5 * place).x;
+  float stored = depth_at(0.5 + 0.5 * place);
   vec3 at = stored > 0.0 ? from_picture * (picture_near / (stored * depth)) : from_picture;
   // A little behind where it is, so that the ground itself comes before it.
   gl_FragDepth = clamp(0.9999 * near / max(dot(at - moved, view), near), 0.0, 1.0);

@@ -215,6 +215,7 @@ Expected<nlohmann::json> against_surface(const cache::TileStore& store, const st
     drawn = std::max(drawn, v.drawn_max_px);
     limit = std::max(limit, v.limit_px);
   }
+  const auto worst = std::ranges::max_element(violations, {}, &audit::Violation::severity);
   return nlohmann::json{{"views", report->views.size()},
                         {"crack_px", cracks},
                         {"silhouette_px", silhouette},
@@ -223,7 +224,8 @@ Expected<nlohmann::json> against_surface(const cache::TileStore& store, const st
                         {"shift_of_limit", share},
                         {"drawn_max_px", drawn},
                         {"with_impostor", with_impostor},
-                        {"violations", violations.size()}};
+                        {"violations", violations.size()},
+                        {"worst_violation", worst == violations.end() ? "" : worst->text()}};
 }
 
 Expected<void> run(const Options& o) {
