@@ -99,6 +99,46 @@ TEST_F(FarPictureTest, ThePictureIsTheSameWithinAPixelAndWithoutCracks) {
   }
 }
 
+// Where it shows ground, outlines before the sky too, its depth is one that the ground has there, give or take a pixel.
+TEST_F(FarPictureTest, HasTheDepthOfTheGround) {
+  const auto with = scene(true);
+  const auto without = scene(false);
+  const auto target = OffscreenTarget::create(gl_, kWidth, kHeight, 1);
+  const auto depths_m = [&](TerrainScene& scene, const Camera& c) {
+    const auto cut = scene.settle(c);
+    const DrawStats drawn = scene.draw(*target, c, *cut, {});
+    EXPECT_EQ(drawn.impostor_tiles > 0, &scene == with.get() && c.eye.z > 160);
+    std::vector<double> out;
+    for (const float d : target->read_depths()) out.push_back(d > 0 ? scene.renderer().near_m(*cut) / double{d} : 0);
+    return out;
+  };
+  int outline = 0, amiss = 0;
+  for (int frame = 0; frame < 4; ++frame) {
+    const Camera c = camera({200, -300, 160 + 0.01 * frame}, {2000, -1900, -100});
+    const auto seen = depths_m(*with, c);
+    const auto plain = depths_m(*without, c);
+    for (int y = 2; y < kHeight - 2; ++y) {
+      for (int x = 2; x < kWidth - 2; ++x) {
+        const auto at = [](int column, int row) { return static_cast<std::size_t>(row * kWidth + column); };
+        if (seen[at(x, y)] == 0) continue;
+        double least = 1e9, most = 0;
+        bool sky = false;
+        for (int k = 0; k < 25; ++k) {
+          const double there = plain[at(x + k % 5 - 2, y + k / 5 - 2)];
+          sky = sky || there == 0;
+          if (there == 0) continue;
+          least = std::min(least, there);
+          most = std::max(most, there);
+        }
+        outline += sky ? 1 : 0;
+        amiss += seen[at(x, y)] < 0.95 * least || seen[at(x, y)] > 1.05 * most ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(outline, kWidth / 2);
+  EXPECT_EQ(amiss, 0);
+}
+
 // The picture comes out of the same memory as the tiles, which come first: what fits without it fits with it.
 TEST_F(FarPictureTest, GivesWayWhereMemoryIsShort) {
   constexpr std::size_t kPictureBytes = std::size_t{8} * (kWidth * 5 / 2) * (kHeight * 5 / 2);
