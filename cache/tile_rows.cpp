@@ -17,7 +17,7 @@ constexpr std::int64_t kApplicationId = 0x54494e54;  // "TINT"
 constexpr std::int64_t kFormatVersion = 2;
 
 constexpr const char* kSchema =
-    "PRAGMA page_size = 16384;"
+    "PRAGMA page_size = 4096;"
     "PRAGMA journal_mode = WAL;"
     "PRAGMA application_id = 1414090324;"
     "CREATE TABLE metadata (name TEXT PRIMARY KEY, value BLOB NOT NULL, checksum INTEGER NOT NULL) WITHOUT ROWID;"
@@ -116,6 +116,23 @@ Expected<void> add_pictures(const SqliteDb& db, const Manifest& manifest, TreeDi
     });
   }
   return done;
+}
+
+Expected<PackedSize> packed_size(const SqliteDb& db, const Manifest& manifest) {
+  std::vector<const char*> queries{"SELECT length(payload) FROM tile ORDER BY key"};
+  if (manifest.picture_size(PictureKind::kTexture) > 0)
+    queries.push_back("SELECT length(payload) FROM texture ORDER BY key");
+  if (manifest.picture_size(PictureKind::kNormal) > 0)
+    queries.push_back("SELECT length(payload) FROM normal ORDER BY key");
+  PackedSize all;
+  for (const char* query : queries) {
+    const auto payloads = db.query_integers(query);
+    if (!payloads) return tl::unexpected(payloads.error());
+    PackedSize table;
+    for (const std::int64_t bytes : *payloads) table.add(static_cast<std::uint64_t>(bytes));
+    all += table;
+  }
+  return all;
 }
 
 Expected<std::vector<std::int64_t>> read_keys(const SqliteDb& db) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cache/manifest.h"
+#include "cache/packed_size.h"
 #include "cache/sqlite_db.h"
 #include "cache/tile_digest.h"
 #include "cache/tile_store.h"
@@ -34,6 +35,8 @@ Expected<StoredTile> read_tile(const SqliteDb& db, const codec::TileId& id);
 Expected<void> for_each_tile(const SqliteDb& db, const std::function<void(const StoredTile&)>& visit);
 /// Adds all textures and normal maps to a digest that has the tiles.
 Expected<void> add_pictures(const SqliteDb& db, const Manifest& manifest, TreeDigest& digest);
+/// What the tables come to in a file of their own.
+Expected<PackedSize> packed_size(const SqliteDb& db, const Manifest& manifest);
 /// The keys of all tiles, ascending.
 Expected<std::vector<std::int64_t>> read_keys(const SqliteDb& db);
 

@@ -8,6 +8,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include "cache/tile_digest.h"
 #include "cache/tile_rows.h"
 #include "cache/tile_store.h"
@@ -117,7 +119,7 @@ struct TileWriter::Impl {
   }
 
   Expected<void> complete();
-  Expected<void> pack() const;
+  Expected<void> pack();
 };
 
 TileWriter::TileWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -224,9 +226,13 @@ Expected<void> TileWriter::Impl::complete() {
   return done;
 }
 
-/// Writes a packed copy: rows in key order, no free pages, no write-ahead log. It grows in the goal's folder, where
+/// Writes a packed copy: rows in key order, pages of the size that takes the least room, none of them free, no
+/// write-ahead log. It grows in the goal's folder, where
 /// there has to be room for it, and the unfinished file stays as it is until the copy has its place.
-Expected<void> TileWriter::Impl::pack() const {
+Expected<void> TileWriter::Impl::pack() {
+  const auto size = packed_size(db, manifest);
+  if (!size) return tl::unexpected(size.error());
+  if (auto set = db.exec(fmt::format("PRAGMA page_size = {}", size->page_bytes()).c_str()); !set) return set;
   const std::string packed = packed_path(db.path());
   remove_database(packed);
   auto statement = db.prepare("VACUUM INTO ?");

@@ -36,8 +36,7 @@ void refine_addresses(codec::TileMesh& mesh, int finer) {
 
 }  // namespace
 
-NestedMaker::NestedMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort /*effort*/,
-                         const StopFlag* stop)
+NestedMaker::NestedMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, const StopFlag* stop)
     : view_(surface, stop), layout_(layout) {}
 
 Expected<codec::TileMesh> NestedMaker::make(const codec::TileId& id) {

@@ -13,8 +13,7 @@ namespace tintree::simplify {
 /// nor one of a tile with a hole or at the raster's end, whose outline every level follows.
 class NestedMaker final : public TileMaker {
  public:
-  NestedMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, Effort effort = Effort::kFast,
-              const StopFlag* stop = nullptr);
+  NestedMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, const StopFlag* stop = nullptr);
 
   Expected<codec::TileMesh> make(const codec::TileId& id) override;
 

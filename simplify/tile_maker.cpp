@@ -24,6 +24,10 @@ MakerPtr make(const cache::Manifest& manifest, const ReferenceSurface& surface, 
   return std::make_unique<Maker>(surface, manifest.layout, effort_named(manifest.effort), stop);
 }
 
+MakerPtr make_nested(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop) {
+  return std::make_unique<NestedMaker>(surface, manifest.layout, stop);
+}
+
 MakerPtr make_wavelet(const cache::Manifest& manifest, const ReferenceSurface& surface, const StopFlag* stop) {
   return std::make_unique<WaveletMaker>(surface, manifest.layout, codec::criterion_named(manifest.criterion), stop);
 }
@@ -34,7 +38,7 @@ MakerPtr make_scalar(const cache::Manifest& manifest, const ReferenceSurface& su
 
 /// One row a method, as in codec/mesh_codec.cpp.
 constexpr std::array kMethods{Method{"tin", make<TinMaker>}, Method{"strip", make<StripMaker>},
-                              Method{"nested", make<NestedMaker>}, Method{"wavelet", make_wavelet},
+                              Method{"nested", make_nested}, Method{"wavelet", make_wavelet},
                               Method{"scalar", make_scalar}};
 
 }  // namespace

@@ -49,6 +49,9 @@ Expected<void> check(const BuildOptions& o) {
     return tintree::fail(ErrorCode::kUsage, "is for --method scalar; leave it out with " + o.method, "--quantizer");
   if (o.criterion && o.method != "wavelet")
     return tintree::fail(ErrorCode::kUsage, "is for --method wavelet; leave it out with " + o.method, "--criterion");
+  if (o.effort == "best" && o.method != "tin" && o.method != "strip")
+    return tintree::fail(ErrorCode::kUsage, "best is for --method tin and strip; leave it out with " + o.method,
+                         "--effort");
   if (o.levels_per_doubling > tintree::codec::most_levels_per_doubling(o.method)) {
     return tintree::fail(ErrorCode::kUsage,
                          "is 1 for --method " + o.method + "; leave it out, or choose --method tin, strip or scalar",
@@ -90,7 +93,8 @@ int main(int argc, char** argv) {
   app.add_option("--method", o.method, "How tiles are made")
       ->check(CLI::IsMember(tintree::simplify::method_names()))
       ->capture_default_str();
-  app.add_option("--effort", o.effort, "fast, or best for fewer triangles and bytes in a multiple of the time")
+  app.add_option("--effort", o.effort,
+                 "fast, or with --method tin and strip best, for fewer triangles and bytes in a multiple of the time")
       ->check(CLI::IsMember({"fast", "best"}))
       ->capture_default_str();
   app.add_option("--quantizer", o.quantizer, "With --method scalar: how heights are quantised (default: uniform)")

@@ -101,8 +101,8 @@ double schedule(const codec::TreeLayout& layout, const std::vector<LevelSummary>
   return end;
 }
 
-/// Bytes of the file: each level's tiles have the sizes of its sample, or all the same size.
-std::uint64_t file_bytes(const std::vector<LevelSample>& samples, const std::vector<LevelSummary>& levels) {
+/// What the tiles come to in the file: each level's have the sizes of its sample, or all the same size.
+cache::PackedSize tiles_size(const std::vector<LevelSample>& samples, const std::vector<LevelSummary>& levels) {
   cache::PackedSize size;
   for (std::size_t l = 0; l < levels.size(); ++l) {
     const std::vector<SampledTile>& sample = samples[l].sample;
@@ -115,7 +115,7 @@ std::uint64_t file_bytes(const std::vector<LevelSample>& samples, const std::vec
       if (bytes > 0) size.add(static_cast<std::uint64_t>(bytes));
     }
   }
-  return size.bytes();
+  return size;
 }
 
 /// Processor time of the measuring pass: every leaf's window is loaded once and every level measured in it.
@@ -224,7 +224,7 @@ Expected<TreePlan> plan_in_arena(const BuildOptions& options) {
   plan.normals = *normals;
   plan.picture_seconds = (textures->make_seconds + normals->make_seconds) / plan.threads;
   plan.seconds = plan.read_seconds + plan.make_seconds + plan.picture_seconds + plan.measure_seconds;
-  plan.bytes = file_bytes(*samples, levels) + textures->file_bytes + normals->file_bytes;
+  plan.bytes = (tiles_size(*samples, levels) += textures->size += normals->size).bytes();
   const std::uint64_t cached = std::min(input->blocks->cached_bytes(), grown);
   plan.peak_rss_bytes = estimate_memory(*input, before, grown - cached, plan);
   plan.plan_seconds = seconds_since(begun);

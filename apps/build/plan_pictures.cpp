@@ -5,7 +5,6 @@
 #include <iterator>
 #include <vector>
 
-#include "cache/packed_size.h"
 #include "simplify/picture_layer.h"
 #include "simplify/picture_pyramid.h"
 #include "simplify/reference_surface.h"
@@ -71,9 +70,7 @@ Expected<PicturePlan> judge(simplify::PictureLayer& layer, const Leaves& leaves)
   plan.make_seconds = std::chrono::duration<double>(Clock::now() - begun).count() * factor;
   plan.pictures = static_cast<std::uint64_t>(static_cast<double>(sizes.size()) * factor);
   plan.bytes = static_cast<std::uint64_t>(static_cast<double>(sum) * factor);
-  cache::PackedSize size;
-  for (std::uint64_t i = 0; i < plan.pictures; ++i) size.add(sizes[i % sizes.size()]);
-  plan.file_bytes = size.bytes() - cache::PackedSize().bytes();
+  for (std::uint64_t i = 0; i < plan.pictures; ++i) plan.size.add(sizes[i % sizes.size()]);
   return plan;
 }
 

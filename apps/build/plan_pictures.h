@@ -7,6 +7,7 @@
 #include "cache/height_blocks.h"
 #include "cache/manifest.h"
 #include "cache/ortho_source.h"
+#include "cache/packed_size.h"
 #include "codec/error.h"
 #include "codec/stop_flag.h"
 
@@ -15,9 +16,9 @@ namespace tintree::app {
 /// What textures or normal maps are expected to come to.
 struct PicturePlan {
   std::uint64_t pictures = 0;
-  std::uint64_t bytes = 0;       ///< Payloads.
-  std::uint64_t file_bytes = 0;  ///< What they add to the file.
-  double make_seconds = 0;       ///< Of all threads together.
+  std::uint64_t bytes = 0;  ///< Payloads.
+  cache::PackedSize size;   ///< What they come to in the file.
+  double make_seconds = 0;  ///< Of all threads together.
 };
 
 /// Judges the textures by a few leaves', made in memory; nothing without photos.

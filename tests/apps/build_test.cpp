@@ -235,6 +235,7 @@ TEST_F(BuildTest, RefusesWrongOptions) {
   for (const char* method : {"nested", "wavelet"})
     expect_refused({"--levels-per-doubling", "2", "--method", method}, kUsage, {"--levels-per-doubling", method});
   expect_refused({"--resume", "--overwrite"}, kUsage, {"--resume", "--overwrite"});
+  expect_refused({"--method", "nested", "--effort", "best"}, kUsage, {"--effort", "tin and strip", "nested"});
   expect_refused({"--quantizer", "uniform"}, kUsage, {"--quantizer", "--method scalar"});
   expect_refused({"--method", "scalar", "--quantizer", "finest"}, kUsage, {"--quantizer"});
 }

@@ -163,17 +163,21 @@ TEST_F(DamageTest, EveryTruncationIsReported) {
 }
 
 TEST_F(DamageTest, ZeroedAndSwappedPagesAreReported) {
-  constexpr std::size_t kPage = 16384;
-  const std::size_t pages = bytes().size() / kPage;
+  const auto header = [this](std::size_t at) {
+    return static_cast<std::size_t>(static_cast<std::uint8_t>(bytes()[at]));
+  };
+  const std::size_t page_bytes = 256 * header(16) + header(17);
+  ASSERT_GE(page_bytes, 512U);
+  const std::size_t pages = bytes().size() / page_bytes;
   for (std::size_t p = 0; p < pages; ++p) {
     std::string damaged = bytes();
-    damaged.replace(p * kPage, kPage, kPage, '\0');
+    damaged.replace(p * page_bytes, page_bytes, page_bytes, '\0');
     test::write_file(path(), damaged);
     EXPECT_TRUE(reported("zeroed page " + std::to_string(p)));
     for (std::size_t q = p + 1; q < pages; ++q) {
       damaged = bytes();
-      damaged.replace(p * kPage, kPage, bytes(), q * kPage, kPage);
-      damaged.replace(q * kPage, kPage, bytes(), p * kPage, kPage);
+      damaged.replace(p * page_bytes, page_bytes, bytes(), q * page_bytes, page_bytes);
+      damaged.replace(q * page_bytes, page_bytes, bytes(), p * page_bytes, page_bytes);
       test::write_file(path(), damaged);
       EXPECT_TRUE(reported("swapped pages " + std::to_string(p) + " and " + std::to_string(q)));
     }
