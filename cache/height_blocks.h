@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cache/page_allocator.h"
 #include "cache/raster_source.h"
 #include "codec/error.h"
 
@@ -29,7 +30,7 @@ struct HeightBlock {
   double base_m = 0;
   bool all_valid = false;  ///< No sample of the block is missing.
   /// Row-major, kBlockStride apart, north row first; NaN for nodata and beyond the raster.
-  std::vector<float> heights;
+  std::vector<float, PageAllocator<float>> heights;
 
   const float* row(int j) const { return heights.data() + static_cast<std::ptrdiff_t>(j) * kBlockStride; }
 };

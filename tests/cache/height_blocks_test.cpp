@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include <malloc.h>
 
 #include <gtest/gtest.h>
 
@@ -129,6 +132,31 @@ TEST_F(HeightBlocksTest, CacheKeepsWhatFitsAndNoMore) {
     EXPECT_TRUE(blocks.get(bx, 1).has_value());
     EXPECT_EQ(kept->get(), blocks.get(0, 0)->get()) << "a block in use was thrown out before older ones";
   }
+}
+
+TEST_F(HeightBlocksTest, BlocksDoNotLieInTheHolesOfTheHeap) {
+  const auto source =
+      open({.columns = 1100, .rows = 1100, .type = test::SampleType::kInt16}, [](int c, int r) { return c ^ r; });
+  HeightBlocks blocks(source, kPlenty);
+  std::vector<double> all(std::size_t{1100} * 1100);
+  ASSERT_TRUE(source->read(0, 0, 1100, 1100, all.data()).has_value());  // GDAL's own blocks are there from now on
+  std::vector<std::shared_ptr<const HeightBlock>> held;
+  {
+    // Once freed, these leave room in the heap for all blocks; what keeps it from going back comes after them.
+    std::vector<std::unique_ptr<char[]>> gone;
+    for (int i = 0; i < 200; ++i) gone.push_back(std::make_unique<char[]>(100'000));
+    held.reserve(16);
+  }
+  const auto in_heap = [] { return ::mallinfo2().uordblks; };
+  const std::size_t before = in_heap();
+  for (std::int64_t by = 0; by < 4; ++by) {
+    for (std::int64_t bx = 0; bx < 4; ++bx) {
+      const auto block = blocks.get(bx, by);
+      ASSERT_TRUE(block.has_value());
+      held.push_back(*block);
+    }
+  }
+  EXPECT_LT(in_heap(), before + sizeof(float) * kBlockStride * kBlockSamples);
 }
 
 TEST_F(HeightBlocksTest, StreamVisitsEveryBlockOnceInOrder) {
