@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <list>
 #include <mutex>
@@ -89,7 +90,13 @@ struct HeightBlocks::Cache {
     if (places.contains(key)) return;
     recent.push_front({key, std::move(block)});
     places[key] = recent.begin();
-    if (places.size() > capacity) {
+    // What somebody holds takes its memory whether it is dropped or not: it counts as used just now.
+    for (std::size_t held = 0; places.size() > capacity && held < places.size();) {
+      if (recent.back().block.use_count() > 1) {
+        recent.splice(recent.begin(), recent, std::prev(recent.end()));
+        ++held;
+        continue;
+      }
       places.erase(recent.back().key);
       recent.pop_back();
     }

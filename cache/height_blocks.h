@@ -42,7 +42,7 @@ BlockDigest digest_of(const HeightBlock& block);
 /// The DEM as a grid of blocks behind a cache of bounded size. Thread-safe.
 class HeightBlocks {
  public:
-  /// Keeps at most about `cache_bytes` of blocks in memory beyond those that callers hold.
+  /// Keeps about `cache_bytes` of blocks in memory, those that callers hold among them; more only while they hold more.
   HeightBlocks(std::shared_ptr<const RasterSource> source, std::uint64_t cache_bytes);
   ~HeightBlocks();
   HeightBlocks(const HeightBlocks&) = delete;

@@ -134,6 +134,29 @@ TEST_F(HeightBlocksTest, CacheKeepsWhatFitsAndNoMore) {
   }
 }
 
+TEST_F(HeightBlocksTest, BlocksThatCallersHoldCount) {
+  const auto source =
+      open({.columns = 2100, .rows = 1100, .type = test::SampleType::kInt16}, [](int c, int r) { return c ^ r; });
+  HeightBlocks blocks(source, 11 * sizeof(float) * kBlockStride * kBlockSamples);
+  std::vector<std::shared_ptr<const HeightBlock>> held;
+  for (std::int64_t bx = 0; bx < 7; ++bx) held.push_back(blocks.get(bx, 0).value());
+  std::vector<std::weak_ptr<const HeightBlock>> seen(held.begin(), held.end());
+  for (std::int64_t by = 1; by < blocks.blocks_y(); ++by) {
+    for (std::int64_t bx = 0; bx < blocks.blocks_x(); ++bx) seen.push_back(blocks.get(bx, by).value());
+  }
+  EXPECT_LE(std::ranges::count_if(seen, [](const auto& b) { return !b.expired(); }), 11);
+  EXPECT_EQ(blocks.get(0, 0).value(), held.front()) << "what is held is kept, not read again";
+
+  // More than there is room for: all of it, and no more than the cache again once it is let go.
+  for (std::int64_t by = 1; by < 3; ++by) {
+    for (std::int64_t bx = 0; bx < blocks.blocks_x(); ++bx) held.push_back(blocks.get(bx, by).value());
+  }
+  EXPECT_GT(blocks.cached_bytes(), 11 * sizeof(float) * kBlockStride * kBlockSamples);
+  held.clear();
+  EXPECT_TRUE(blocks.get(0, 4).has_value());
+  EXPECT_LE(blocks.cached_bytes(), 11 * sizeof(float) * kBlockStride * kBlockSamples);
+}
+
 TEST_F(HeightBlocksTest, BlocksDoNotLieInTheHolesOfTheHeap) {
   const auto source =
       open({.columns = 1100, .rows = 1100, .type = test::SampleType::kInt16}, [](int c, int r) { return c ^ r; });
