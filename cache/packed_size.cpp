@@ -11,9 +11,13 @@ constexpr std::uint64_t kRowHead = 76;
 constexpr std::uint64_t kCellHead = 5;
 /// An entry of an interior page, with its pointer.
 constexpr std::uint64_t kInteriorEntry = 15;
-/// Schema, the manifest, and the two tables' roots.
-constexpr std::uint64_t kOtherPages = 4;
+/// The schema, and the root of table `metadata`, which holds the manifest.
+constexpr std::uint64_t kOtherPages = 2;
 constexpr std::uint64_t kBoundsRecord = 16;
+/// Of a larger row of that table all but the least lies in overflow pages.
+constexpr std::uint64_t kMetadataMost = (kPage - 12) * 64 / 255 - 23;
+constexpr std::uint64_t kLeast = (kPage - 12) * 32 / 255 - 23;
+constexpr std::uint64_t kChunk = kPage - 4;
 
 }  // namespace
 
@@ -22,8 +26,6 @@ void PackedSize::add(std::uint64_t payload_bytes) {
   const std::uint64_t row = payload_bytes + kRowHead;
   std::uint64_t local = row;
   if (row > kPage - 35) {
-    constexpr std::uint64_t kChunk = kPage - 4;
-    constexpr std::uint64_t kLeast = (kPage - 12) * 32 / 255 - 23;
     const std::uint64_t rest = kLeast + (row - kLeast) % kChunk;
     local = rest <= kPage - 35 ? rest : kLeast;
     overflow_pages_ += (row - local + kChunk - 1) / kChunk;
@@ -37,9 +39,11 @@ void PackedSize::add(std::uint64_t payload_bytes) {
 }
 
 std::uint64_t PackedSize::bytes() const {
-  const std::uint64_t interior = leaf_pages_ * kInteriorEntry / kPage;
-  const std::uint64_t bounds = tiles_ * kBoundsRecord / kPage;
-  return (leaf_pages_ + overflow_pages_ + interior + bounds + kOtherPages) * kPage;
+  // A leaf that is alone is the table's root.
+  const std::uint64_t tree = leaf_pages_ <= 1 ? 1 : 1 + leaf_pages_ + leaf_pages_ * kInteriorEntry / kPage;
+  const std::uint64_t bounds = tiles_ * kBoundsRecord;
+  const std::uint64_t bounds_pages = bounds > kMetadataMost ? (bounds - kLeast + kChunk - 1) / kChunk : 0;
+  return (tree + overflow_pages_ + bounds_pages + kOtherPages) * kPage;
 }
 
 }  // namespace tintree::cache

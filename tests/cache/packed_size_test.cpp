@@ -19,7 +19,7 @@ TEST(PackedSize, IsThatOfTheFile) {
   ASSERT_GT(tree.tiles.size(), 80U);
   std::mt19937 random(3);
   // Rows that share a page, that fill one, and that overflow into others.
-  for (const std::size_t most : {100U, 3000U, 9000U, 20000U, 200000U}) {
+  for (const std::size_t most : {10U, 100U, 3000U, 9000U, 20000U, 200000U}) {
     SCOPED_TRACE(most);
     PackedSize size;
     for (auto& tile : tree.tiles) {
@@ -28,7 +28,8 @@ TEST(PackedSize, IsThatOfTheFile) {
     }
     test::write_tree(dir.file("t.tintree"), tree);
     const auto bytes = static_cast<double>(std::filesystem::file_size(dir.file("t.tintree")));
-    EXPECT_NEAR(static_cast<double>(size.bytes()), bytes, 2 * 16384 + 0.02 * bytes);
+    // To the page where there are but a few.
+    EXPECT_NEAR(static_cast<double>(size.bytes()), bytes, 0.02 * bytes);
   }
 }
 
