@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <list>
 #include <mutex>
@@ -16,7 +17,10 @@
 namespace tintree::cache {
 namespace {
 
-constexpr std::uint64_t kBlockBytes = std::uint64_t{kBlockStride} * kBlockSamples * sizeof(float) + 256;
+/// What a block takes: its heights in whole pages, and what the cache notes of it.
+constexpr std::uint64_t kPageBytes = 4096;
+constexpr std::uint64_t kHeightsBytes = std::uint64_t{kBlockStride} * kBlockSamples * sizeof(float);
+constexpr std::uint64_t kBlockBytes = (kHeightsBytes + kPageBytes - 1) / kPageBytes * kPageBytes + 256;
 
 /// The height that a block's heights are counted from. Counted from there none is more than one and a half times the
 /// block's range, so that rounding to float costs a share of the range, however narrow it is.
@@ -86,7 +90,13 @@ struct HeightBlocks::Cache {
     if (places.contains(key)) return;
     recent.push_front({key, std::move(block)});
     places[key] = recent.begin();
-    if (places.size() > capacity) {
+    // What somebody holds takes its memory whether it is dropped or not: it counts as used just now.
+    for (std::size_t held = 0; places.size() > capacity && held < places.size();) {
+      if (recent.back().block.use_count() > 1) {
+        recent.splice(recent.begin(), recent, std::prev(recent.end()));
+        ++held;
+        continue;
+      }
       places.erase(recent.back().key);
       recent.pop_back();
     }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cache/page_allocator.h"
 #include "cache/raster_source.h"
 #include "codec/error.h"
 
@@ -29,7 +30,7 @@ struct HeightBlock {
   double base_m = 0;
   bool all_valid = false;  ///< No sample of the block is missing.
   /// Row-major, kBlockStride apart, north row first; NaN for nodata and beyond the raster.
-  std::vector<float> heights;
+  std::vector<float, PageAllocator<float>> heights;
 
   const float* row(int j) const { return heights.data() + static_cast<std::ptrdiff_t>(j) * kBlockStride; }
 };
@@ -41,7 +42,7 @@ BlockDigest digest_of(const HeightBlock& block);
 /// The DEM as a grid of blocks behind a cache of bounded size. Thread-safe.
 class HeightBlocks {
  public:
-  /// Keeps at most about `cache_bytes` of blocks in memory beyond those that callers hold.
+  /// Keeps about `cache_bytes` of blocks in memory, those that callers hold among them; more only while they hold more.
   HeightBlocks(std::shared_ptr<const RasterSource> source, std::uint64_t cache_bytes);
   ~HeightBlocks();
   HeightBlocks(const HeightBlocks&) = delete;

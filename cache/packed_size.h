@@ -12,7 +12,7 @@ class PackedSize {
  public:
   /// Adds a table's next payload, in key order.
   void add(std::uint64_t payload_bytes);
-  /// Adds another table.
+  /// Adds the rows of another table.
   PackedSize& operator+=(const PackedSize& other);
 
   /// With the pages that make the file the smallest.
@@ -27,6 +27,9 @@ class PackedSize {
     std::uint64_t leaves = 0;
     std::uint64_t overflow = 0;
     std::uint64_t room = 0;  // left in the last leaf
+    std::uint64_t other_tables = 0;
+
+    std::uint64_t all(std::uint64_t page_bytes) const;
   };
 
   static void add(Pages& pages, std::uint64_t page_bytes, std::uint64_t payload_bytes);

@@ -21,6 +21,8 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMiB = 1024 * 1024;
 /// What a build takes besides the caches of the DEM, and half of it again for every thread.
 constexpr std::uint64_t kWorkMiB = 96;
+/// What a thread may hold of the DEM's blocks for its tile: a part of that half, spent by the cache, which counts them.
+constexpr std::uint64_t kHeldMiB = 8;
 /// One part in this many of what is left stays free: allocators never give back all.
 constexpr std::uint64_t kSpareShare = 5;
 /// GDAL's part of the caches of the DEM is one in this many.
@@ -63,7 +65,8 @@ int thread_count(const BuildOptions& options) {
 
 Expected<MemoryShares> share_memory(const BuildOptions& options, const cache::RasterInfo& info) {
   const int threads = thread_count(options);
-  const std::uint64_t work = kWorkMiB + kWorkMiB / 2 * static_cast<std::uint64_t>(threads);
+  const auto many = static_cast<std::uint64_t>(threads);
+  const std::uint64_t work = kWorkMiB + kWorkMiB / 2 * many;
   if (options.memory_mib < work + 64) {
     return fail(ErrorCode::kUsage, fmt::format("{} threads need at least {} MiB", threads, work + 64), "--memory");
   }
@@ -73,7 +76,7 @@ Expected<MemoryShares> share_memory(const BuildOptions& options, const cache::Ra
   shares.pyramid_bytes =
       std::min(simplify::ReferenceSurface::pyramid_bytes(info.columns, info.rows), cache_bytes / kPyramidShare);
   shares.raster_bytes = cache_bytes / kGdalShare;
-  shares.blocks_bytes = cache_bytes - shares.raster_bytes - shares.pyramid_bytes;
+  shares.blocks_bytes = cache_bytes - shares.raster_bytes - shares.pyramid_bytes + kHeldMiB * kMiB * many;
   return shares;
 }
 

@@ -72,7 +72,7 @@ Expected<void> plan(const BuildOptions& o) {
   return o.json.empty() ? Expected<void>{} : tintree::app::write_json(o.json, tintree::app::plan_json(*plan, o));
 }
 
-/// Has blocks of the DEM, made on one thread and dropped on another, go back to the system at once. Without this the
+/// Has large buffers, made on one thread and dropped on another, go back to the system at once. Without this the
 /// C library keeps room for as many as each thread ever had, beyond --memory.
 void give_back_large_memory() { ::mallopt(M_MMAP_THRESHOLD, 256 * 1024); }
 

@@ -25,6 +25,8 @@ int report_failure(const std::string& program, const Error& error) {
 }
 
 int run_program(CLI::App& app, int argc, char** argv, const std::function<Expected<void>()>& run) {
+  // A file that grows beyond the user's limit (ulimit -f) is a failed write like another, with a message.
+  std::signal(SIGXFSZ, SIG_IGN);
   const std::string program = app.get_name();
   app.set_version_flag("--version", program + " " + TINTREE_VERSION);
   try {

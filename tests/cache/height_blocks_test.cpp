@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include <malloc.h>
 
 #include <gtest/gtest.h>
 
@@ -129,6 +132,54 @@ TEST_F(HeightBlocksTest, CacheKeepsWhatFitsAndNoMore) {
     EXPECT_TRUE(blocks.get(bx, 1).has_value());
     EXPECT_EQ(kept->get(), blocks.get(0, 0)->get()) << "a block in use was thrown out before older ones";
   }
+}
+
+TEST_F(HeightBlocksTest, BlocksThatCallersHoldCount) {
+  const auto source =
+      open({.columns = 2100, .rows = 1100, .type = test::SampleType::kInt16}, [](int c, int r) { return c ^ r; });
+  HeightBlocks blocks(source, 11 * sizeof(float) * kBlockStride * kBlockSamples);
+  std::vector<std::shared_ptr<const HeightBlock>> held;
+  for (std::int64_t bx = 0; bx < 7; ++bx) held.push_back(blocks.get(bx, 0).value());
+  std::vector<std::weak_ptr<const HeightBlock>> seen(held.begin(), held.end());
+  for (std::int64_t by = 1; by < blocks.blocks_y(); ++by) {
+    for (std::int64_t bx = 0; bx < blocks.blocks_x(); ++bx) seen.push_back(blocks.get(bx, by).value());
+  }
+  EXPECT_LE(std::ranges::count_if(seen, [](const auto& b) { return !b.expired(); }), 11);
+  EXPECT_EQ(blocks.get(0, 0).value(), held.front()) << "what is held is kept, not read again";
+
+  // More than there is room for: all of it, and no more than the cache again once it is let go.
+  for (std::int64_t by = 1; by < 3; ++by) {
+    for (std::int64_t bx = 0; bx < blocks.blocks_x(); ++bx) held.push_back(blocks.get(bx, by).value());
+  }
+  EXPECT_GT(blocks.cached_bytes(), 11 * sizeof(float) * kBlockStride * kBlockSamples);
+  held.clear();
+  EXPECT_TRUE(blocks.get(0, 4).has_value());
+  EXPECT_LE(blocks.cached_bytes(), 11 * sizeof(float) * kBlockStride * kBlockSamples);
+}
+
+TEST_F(HeightBlocksTest, BlocksDoNotLieInTheHolesOfTheHeap) {
+  const auto source =
+      open({.columns = 1100, .rows = 1100, .type = test::SampleType::kInt16}, [](int c, int r) { return c ^ r; });
+  HeightBlocks blocks(source, kPlenty);
+  std::vector<double> all(std::size_t{1100} * 1100);
+  ASSERT_TRUE(source->read(0, 0, 1100, 1100, all.data()).has_value());  // GDAL's own blocks are there from now on
+  std::vector<std::shared_ptr<const HeightBlock>> held;
+  {
+    // Once freed, these leave room in the heap for all blocks; what keeps it from going back comes after them.
+    std::vector<std::unique_ptr<char[]>> gone;
+    for (int i = 0; i < 200; ++i) gone.push_back(std::make_unique<char[]>(100'000));
+    held.reserve(16);
+  }
+  const auto in_heap = [] { return ::mallinfo2().uordblks; };
+  const std::size_t before = in_heap();
+  for (std::int64_t by = 0; by < 4; ++by) {
+    for (std::int64_t bx = 0; bx < 4; ++bx) {
+      const auto block = blocks.get(bx, by);
+      ASSERT_TRUE(block.has_value());
+      held.push_back(*block);
+    }
+  }
+  EXPECT_LT(in_heap(), before + sizeof(float) * kBlockStride * kBlockSamples);
 }
 
 TEST_F(HeightBlocksTest, StreamVisitsEveryBlockOnceInOrder) {
