@@ -157,8 +157,9 @@ double Search::try_loss(double loss) {
   return off;
 }
 
-/// The largest loss with which the criterion holds. A root of mean squares goes with it, nearly, and is good enough when
-/// it is near the bound; a largest difference may stay the same over a wide range of losses, which is searched to its end.
+/// The largest loss with which the criterion holds. A root of mean squares goes with it, nearly, and is good enough
+/// when it is near the bound; a largest difference may stay the same over a wide range of losses, which is searched to
+/// its end.
 void Search::find_largest() {
   try_without();
   if (best_ || quantizer_.bits == 0) return;
