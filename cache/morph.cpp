@@ -72,7 +72,7 @@ class Polygon {
 /// Triangles by the cells of a coarse grid that their boxes touch.
 class FacetIndex {
  public:
-  FacetIndex(const std::vector<Facet>& facets, double across) : facets_(facets) {
+  FacetIndex(const std::vector<Facet>& facets, double across) {
     per_side_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::sqrt(static_cast<double>(facets.size()) / 2)));
     scale_ = static_cast<double>(per_side_) / across;
     cells_.resize(per_side_ * per_side_);
@@ -105,7 +105,6 @@ class FacetIndex {
     }
   }
 
-  const std::vector<Facet>& facets_;
   std::size_t per_side_ = 1;
   double scale_ = 1;
   std::vector<std::vector<std::size_t>> cells_;

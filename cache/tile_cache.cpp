@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <ranges>
 #include <utility>
 
 #include "cache/morph.h"
@@ -150,9 +149,9 @@ void TileCache::request(std::span<const TileRef> needed, std::span<const TileRef
     ++round_;
     queue_.clear();
     // In reverse for the order of use: what is most urgent leaves last.
-    for (const TileRef& tile : ahead | std::views::reverse) {
+    std::for_each(ahead.rbegin(), ahead.rend(), [&](const TileRef& tile) {
       if (const auto at = by_ref_.find(tile); at != by_ref_.end()) touch(at->second, false);
-    }
+    });
     for (const TileRef& tile : needed) enqueue(tile, true);
     for (const TileRef& tile : ahead) enqueue(tile, false);
     make_room(0, &Entry::needed);

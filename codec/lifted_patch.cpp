@@ -146,7 +146,7 @@ class Walk {
   static std::size_t row(int sizes) {
     const auto n = static_cast<unsigned>(sizes);
     if (n < 2) return n;
-    const int width = std::bit_width(n);
+    const int width = static_cast<int>(std::bit_width(n));
     return static_cast<std::size_t>(2 * width - 2) + (n >> (width - 2) & 1);
   }
 

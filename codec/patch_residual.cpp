@@ -21,7 +21,7 @@ std::optional<PatchResidual> make_patch_residual(const Patch& patch, const Patch
   }
   const std::int64_t highest = (high - low) / step;
   if (highest > std::numeric_limits<std::uint16_t>::max()) return std::nullopt;
-  const auto put = [&]<typename Number>(std::vector<Number>& numbers) {
+  const auto put = [&, low = low]<typename Number>(std::vector<Number>& numbers) {
     numbers.reserve(residuals.size());
     for (const std::int64_t r : residuals) numbers.push_back(static_cast<Number>((r - low) / step));
   };

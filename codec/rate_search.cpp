@@ -27,8 +27,10 @@ constexpr double kQuickRetry = 0.9;
 constexpr double kPeak = 4;
 /// Two losses so much apart are the same.
 constexpr double kNear = 1.01;
+/// A loss that fits is followed by one so many times as large at least, while none has broken the bound.
+constexpr double kGrowth = 1.25;
 /// Losses below that, in numbers, are next to none.
-constexpr double kLeastLoss = 0.25;
+constexpr double kLeastLoss = 0.1;
 
 struct Stats {
   std::int64_t max = 0;
@@ -155,21 +157,25 @@ double Search::try_loss(double loss) {
   return off;
 }
 
-/// The largest loss with which the criterion holds: what is off goes with it, nearly.
+/// The largest loss with which the criterion holds. A root of mean squares goes with it, nearly, and is good enough
+/// when it is near the bound; a largest difference may stay the same over a wide range of losses, which is searched to
+/// its end.
 void Search::find_largest() {
   try_without();
   if (best_ || quantizer_.bits == 0) return;
   const double aim = spec_.quick ? kQuickAim : kAim;
-  const double peak = spec_.criterion == PatchCriterion::kMax ? kPeak : 1;
+  const bool max = spec_.criterion == PatchCriterion::kMax;
+  const double peak = max ? kPeak : 1;
   double loss = aim * present_ * static_cast<double>(spec_.bound) / static_cast<double>(quantizer_.step) / peak;
   double fits_at = 0;
   double breaks_at = std::numeric_limits<double>::infinity();
   while (encodes_ < kMostEncodes && loss > kLeastLoss && breaks_at > kNear * fits_at) {
     const double off = try_loss(loss);
     const bool fits = off <= 1;
-    if (error_ || (fits && (spec_.quick || off >= kEnough))) return;
+    if (error_ || (fits && (spec_.quick || (!max && off >= kEnough)))) return;
     (fits ? fits_at : breaks_at) = loss;
     loss *= std::clamp(aim / off, 0.25, spec_.quick ? kQuickRetry : 4.0);
+    if (std::isinf(breaks_at)) loss = std::max(loss, kGrowth * fits_at);
     if (fits_at == 0 || std::isinf(breaks_at)) continue;
     // Well between the two, however little what is off went with the loss.
     const double ratio = breaks_at / fits_at;

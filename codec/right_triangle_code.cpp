@@ -60,7 +60,7 @@ class Putter final : public RightTriangleCoder {
   /// The same for every rotation.
   static Keys canonical(const std::array<Spot, 3>& t) {
     Keys keys{key(t[0]), key(t[1]), key(t[2])};
-    std::ranges::rotate(keys, std::ranges::min_element(keys));
+    std::rotate(keys.begin(), std::ranges::min_element(keys), keys.end());
     return keys;
   }
   Spot spot(std::size_t vertex) const {

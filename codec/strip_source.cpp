@@ -67,7 +67,7 @@ Expected<StripSource> find_strip(const TileMesh& mesh) {
   }
   p.z_shift = bits == 0 ? 0 : std::countr_zero(bits);
   const std::uint32_t top = static_cast<std::uint32_t>(highest - lowest) >> p.z_shift;
-  p.height_bits = std::bit_width(p.holes ? top + 1 : top);
+  p.height_bits = static_cast<int>(std::bit_width(p.holes ? top + 1 : top));
   p.z_offset = mesh.z_offset + lowest;
   return StripSource{std::move(*tree), p, lowest};
 }

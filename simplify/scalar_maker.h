@@ -12,8 +12,8 @@ namespace tintree::simplify {
 
 /// Method `scalar` (Fowler et al.): a tile is a quadtree of regular grids, each over every 2^n-th sample, whose heights
 /// are quantised, stitched to each other and to vertices at border_places() of the sides. Each grid is the
-/// coarsest that keeps the bound. Samples are missing in grids over every sample alone. Memory: about 120 bytes a
-/// vertex.
+/// coarsest that keeps the bound with the heights so quantised. Samples are missing in grids over every sample alone.
+/// Memory: about 120 bytes a vertex.
 class ScalarMaker final : public TileMaker {
  public:
   ScalarMaker(const ReferenceSurface& surface, const codec::TreeLayout& layout, codec::QuantizerKind quantizer,
@@ -24,9 +24,8 @@ class ScalarMaker final : public TileMaker {
 
  private:
   ScalarSpec spec(const codec::TileId& id);
-  codec::ScalarShape choose_step(ScalarSpec& spec, double reach_m, double relief_m);
+  codec::ScalarShape choose_quantizer(ScalarSpec& spec, double reach_m, double relief_m);
   void set_heights(codec::ScalarTile& tile) const;
-  void quantize_lloyd_max(const ScalarSpec& spec, double reach_m);
 
   SurfaceView view_;
   codec::TreeLayout layout_;
@@ -35,7 +34,6 @@ class ScalarMaker final : public TileMaker {
   // The tile in the making.
   std::vector<double> samples_m_;  ///< At the grid's vertices; NaN where missing.
   std::vector<std::int64_t> z_;    ///< Their heights, in steps from height 0.
-  std::size_t border_count_ = 0;
 };
 
 }  // namespace tintree::simplify

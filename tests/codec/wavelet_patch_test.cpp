@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
+
+#include "codec/jpeg2000_plane.h"
 
 namespace tintree::codec {
 namespace {
@@ -96,6 +100,30 @@ TEST(WaveletPatch, KeepsTheCriterionInFewEncodes) {
   }
 }
 
+/// The largest difference may be the bound itself over a wide range of losses: the search finds the far end of it.
+TEST(WaveletPatch, TheSearchComesNearTheFewestBytes) {
+  const Patch target = hills();
+  const auto [low, high] = std::ranges::minmax(target.heights);
+  Plane numbers{.width = kSide,
+                .height = kSide,
+                .bits = static_cast<int>(std::bit_width(static_cast<unsigned>(high - low))),
+                .samples = {}};
+  for (const std::int64_t h : target.heights) numbers.samples.push_back(static_cast<std::int32_t>(h - low));
+  for (const std::int64_t bound : {1, 3, 20}) {
+    std::size_t fewest = encode_plane(numbers, 0)->size();
+    for (double loss = 0.1; loss < 40; loss *= 1.02) {
+      const std::vector<std::byte> bytes = *encode_plane(numbers, loss);
+      const Plane lossy = *decode_plane(bytes, kSide, kSide, numbers.bits);
+      std::int32_t off = 0;
+      for (std::size_t i = 0; i < numbers.samples.size(); ++i)
+        off = std::max(off, std::abs(lossy.samples[i] - numbers.samples[i]));
+      if (off <= bound) fewest = std::min(fewest, bytes.size());
+    }
+    const PatchSpec spec{.criterion = PatchCriterion::kMax, .bound = bound, .bits = 16};
+    EXPECT_LT(coded(target, Patch(kSide, 0), spec).bytes.size(), fewest * 104 / 100) << bound;
+  }
+}
+
 TEST(WaveletPatch, LiftedKeepsTheBoundInFewerBytes) {
   Patch target = hills();
   target.at(30, 30) += 5000;
@@ -107,7 +135,7 @@ TEST(WaveletPatch, LiftedKeepsTheBoundInFewerBytes) {
     const EncodedPatch lifted = coded(target, nothing, spec);
     EXPECT_LE(difference(target, lifted.reconstruction).max, bound);
     // The rougher of these hills is noise, of which without loss neither saves much.
-    EXPECT_LT(lifted.bytes.size(), bound == 0 ? plain * 11 / 10 : plain * 4 / 5);
+    EXPECT_LT(lifted.bytes.size(), bound == 0 ? plain * 11 / 10 : plain * 17 / 20);
   }
 }
 

@@ -37,10 +37,10 @@ class FlatTree {
     layout_.z_step_m = {0.5, 0.25, 0.125};
   }
 
-  void write(const std::string& path) const {
+  void write(const std::string& path, const std::string& criterion) const {
     cache::Manifest manifest;
     manifest.method = "wavelet";
-    manifest.criterion = "max";
+    manifest.criterion = criterion;
     manifest.layout = layout_;
     auto writer = cache::TileWriter::create(path, manifest);
     ASSERT_TRUE(writer) << writer.error().text();
@@ -109,9 +109,9 @@ class FlatTree {
 
 class WaveletSceneTest : public OsMesaTest {
  protected:
-  cache::TileStore tree(const std::function<double(double, double)>& height_m) {
+  cache::TileStore tree(const std::function<double(double, double)>& height_m, const std::string& criterion = "max") {
     const std::string path = dir_.file("tree" + std::to_string(written_++) + ".tintree");
-    FlatTree(height_m).write(path);
+    FlatTree(height_m).write(path, criterion);
     return std::move(*cache::TileStore::open(path));
   }
 
@@ -234,6 +234,19 @@ TEST_F(WaveletSceneTest, APatchsSamplesShowOnAMeshWithoutThem) {
     EXPECT_LT(rms_difference(light_of(height_m), expected), most);
     EXPECT_GT(rms_difference(flat, expected), 3 * most) << "there was to be something to see";
   }
+}
+
+/// Their patches are farther from the truth than their vertices (docs/methods.md).
+TEST_F(WaveletSceneTest, TreesOfCriterionRmsAreLitByTheirVertices) {
+  const Camera near = camera(150);
+  const auto light_of = [&](const HeightOf& height_m, const std::string& criterion) {
+    const auto store = tree(height_m, criterion);
+    const auto made = scene(store);
+    return light(*made, near, settled(*made, near));
+  };
+  const auto level = [](double, double) { return 0.0; };
+  EXPECT_EQ(light_of(bumps, "rms"), light_of(level, "rms")) << "meshes are flat, whatever patches have";
+  EXPECT_NE(light_of(bumps, "max"), light_of(level, "max"));
 }
 
 TEST_F(WaveletSceneTest, EveryTileHasItsReliefWhereverTheCameraJumps) {

@@ -3,6 +3,7 @@
 #include "simplify/scalar_maker.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <string>
@@ -98,6 +99,32 @@ TEST(ScalarMaker, TheBoundChoosesTheLevels) {
     EXPECT_LT(levels, last);
     last = levels;
   }
+}
+
+/// On dense ground a Lloyd-Max quantiser's levels move heights as far as a uniform one's, and no farther.
+TEST(ScalarMaker, LloydMaxUsesTheBound) {
+  const Terrain noise = test::make_terrain(65, 65, [](int c, int r) { return 100 * std::pow(test::noise(c, r), 3); });
+  const codec::TreeLayout layout = test::make_layout(noise, 64, 2);
+  SurfaceView samples(*noise.surface);
+  std::array<double, 2> off{};
+  for (const QuantizerKind kind : {QuantizerKind::kUniform, QuantizerKind::kLloydMax}) {
+    const auto mesh = ScalarMaker(*noise.surface, layout, kind).make({0, 0, 0});
+    ASSERT_TRUE(mesh.has_value());
+    const auto tile = codec::find_scalar_tile(*mesh);
+    ASSERT_TRUE(tile.has_value());
+    std::size_t inside = 0;
+    double& most = off[kind == QuantizerKind::kLloydMax ? 1 : 0];
+    for (std::size_t i = tile->grid.border_count; i < tile->grid.places.size(); ++i, ++inside) {
+      const codec::GridVertex& at = tile->grid.places[i];
+      const double height_m = static_cast<double>(mesh->z_offset + tile->tile.z[i]) * layout.z_step_m[0];
+      const double sample_m = samples.sample(at.x, at.y);
+      most = std::max(most, std::abs(height_m - sample_m));
+    }
+    ASSERT_EQ(mesh->xy_shift, 0);
+    EXPECT_EQ(inside, 63U * 63) << "every sample has its vertex";
+  }
+  EXPECT_LE(off[1], 2 * 7 / 8.0);
+  EXPECT_GT(off[1], 0.9 * off[0]);
 }
 
 TEST(ScalarMaker, TwoHeightsTakeTwoLevels) {
