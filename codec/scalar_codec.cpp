@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <cstdlib>
+#include <optional>
 #include <utility>
 
 #include "codec/bit_pack.h"
@@ -90,6 +92,13 @@ bool take_missing(std::span<const std::byte>& bytes, std::vector<bool>& missing)
 
 Error damaged() { return {ErrorCode::kBadData, "the payload is no grid of heights", {}}; }
 
+Error unfit() { return {ErrorCode::kBadData, "the mesh exceeds what a payload of method scalar holds", {}}; }
+
+bool is_within_limits(const TileMesh& mesh) {
+  return mesh.xy_shift >= kMinXyShift && mesh.xy_shift <= kMaxXyShift && std::abs(mesh.z_offset) <= kMaxHeightOffset &&
+         std::ranges::all_of(mesh.vertices, [](const GridVertex& v) { return v.z >= 0 && v.z <= kMaxHeightAddress; });
+}
+
 bool take_border(std::span<const std::byte>& bytes, std::size_t border_count, ScalarTile& tile) {
   std::int64_t height = 0;
   for (std::size_t i = 0; i < border_count; ++i) {
@@ -111,11 +120,15 @@ void for_each_inner(std::size_t border_count, ScalarTile& tile, const Visit& vis
   }
 }
 
-bool take_inner(std::span<const std::byte> bytes, std::size_t border_count, ScalarTile& tile) {
+/// `quantizer` stays empty where no vertex is inside.
+bool take_inner(std::span<const std::byte> bytes, std::size_t border_count, ScalarTile& tile,
+                std::optional<HeightQuantizer>& quantizer) {
   std::size_t count = 0;
   for_each_inner(border_count, tile, [&](std::int32_t) { ++count; });
   std::vector<std::int32_t> heights(count);
-  if (!take_quantized(bytes, heights)) return false;
+  if (heights.empty()) return bytes.empty();
+  quantizer = take_quantized(bytes, heights);
+  if (!quantizer) return false;
   std::size_t next = 0;
   for_each_inner(border_count, tile, [&](std::int32_t& z) { z = heights[next++]; });
   return true;
@@ -188,6 +201,7 @@ bool take_shape(std::span<const std::byte>& bytes, bool holed, ScalarShape& shap
 }  // namespace
 
 Expected<std::vector<std::byte>> ScalarCodec::encode(const TileMesh& mesh) const {
+  if (!is_within_limits(mesh)) return tl::unexpected(unfit());
   auto found = find_scalar_tile(mesh);
   if (!found) return fail(ErrorCode::kBadData, "the mesh is no grid of method scalar");
   ScalarTile& tile = found->tile;
@@ -221,6 +235,8 @@ Expected<std::vector<std::byte>> ScalarCodec::encode(const TileMesh& mesh) const
   std::vector<std::int32_t> heights;
   for_each_inner(border_count, tile, [&](std::int32_t z) { heights.push_back(z); });
   put_quantized(out, heights);
+  // What decode() demands of a shape's bytes beside their values, a mesh from elsewhere need not fulfil.
+  if (!decode(out)) return tl::unexpected(unfit());
   return out;
 }
 
@@ -241,9 +257,12 @@ Expected<TileMesh> ScalarCodec::decode(std::span<const std::byte> bytes) const {
     if (!take_missing(bytes, tile.missing)) return tl::unexpected(damaged());
   }
   tile.z.assign(grid->places.size(), 0);
-  if (!take_border(bytes, grid->border_count, tile) || !take_inner(bytes, grid->border_count, tile))
+  std::optional<HeightQuantizer> quantizer;
+  if (!take_border(bytes, grid->border_count, tile) || !take_inner(bytes, grid->border_count, tile, quantizer))
     return tl::unexpected(damaged());
-  return tile.mesh(std::move(*grid));
+  TileMesh mesh = tile.mesh(std::move(*grid));
+  mesh.height_quantizer = std::move(quantizer);
+  return mesh;
 }
 
 }  // namespace tintree::codec
