@@ -61,8 +61,8 @@ struct QuantizedShape {
 struct DrawableTile;
 
 /// Of a decoded tile: one with indices, but with a QuantizedShape in place of vertices. `joined_sides` as
-/// make_drawable() takes them. Null for a tile whose vertices do not fit into words, and for one beyond the limits above.
-/// Cost: a few nanoseconds a vertex, and the occluder's.
+/// make_drawable() takes them. Null for a tile whose vertices do not fit into words, and for one beyond the limits
+/// above. Cost: a few nanoseconds a vertex, and the occluder's.
 std::unique_ptr<DrawableTile> make_drawable_quantized(const codec::TreeLayout& layout, const codec::TileId& id,
                                                       const codec::TileMesh& mesh, std::uint16_t joined_sides);
 

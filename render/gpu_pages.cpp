@@ -114,7 +114,8 @@ void GpuPages::drop(std::size_t page) {
 }
 
 void GpuPages::free_page(const GpuPage& page) {
-  for (const GLuint array : {page.vertex_array, page.morph_vertex_array, page.lit_vertex_array, page.strip_vertex_array})
+  for (const GLuint array :
+       {page.vertex_array, page.morph_vertex_array, page.lit_vertex_array, page.strip_vertex_array})
     gl_->DeleteVertexArrays(1, &array);
   gl_->DeleteBuffers(1, &page.buffer);
 }

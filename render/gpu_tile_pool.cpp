@@ -111,7 +111,8 @@ bool GpuTilePool::place_quantized(const cache::DrawableTile& tile, Entry& out) {
   const std::size_t bytes = (shape.words.size() + 1) * sizeof(LitWord) + tile.index_bytes();
   if (!place((bytes + GpuPages::kUnit - 1) / GpuPages::kUnit, out.place)) return false;
   const GpuPage& page = pages_.page(out.place);
-  const std::size_t begin = (out.place.begin * GpuPages::kUnit + sizeof(LitWord) - 1) / sizeof(LitWord) * sizeof(LitWord);
+  const std::size_t begin =
+      (out.place.begin * GpuPages::kUnit + sizeof(LitWord) - 1) / sizeof(LitWord) * sizeof(LitWord);
   const std::size_t indices = begin + shape.words.size() * sizeof(LitWord);
   gl_->BindBuffer(GL_ARRAY_BUFFER, page.buffer);
   const std::span<const LitWord> none;

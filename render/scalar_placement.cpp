@@ -32,7 +32,8 @@ ScalarPlacement place_scalar(const codec::GridFrame& frame, const cache::Quantiz
   out.index_to_eye =
       glm::mat4(glm::make_mat4(frame.matrix(eye).data()) *
                 glm::make_mat4(codec::inverse_quantization(codec::GridBlock{}, format.step, format.low).data()));
-  out.corner = glm::ivec3(frame.column0 - lattice.column0, frame.row0 - lattice.row0, frame.z_offset - lattice.z_offset);
+  out.corner =
+      glm::ivec3(frame.column0 - lattice.column0, frame.row0 - lattice.row0, frame.z_offset - lattice.z_offset);
   out.samples_shift = frame.xy_shift;
   return out;
 }

@@ -11,7 +11,8 @@
 
 namespace tintree::render {
 
-/// Where shaders/scalar_draw.vert.glsl puts the vertices of a tile of method `scalar`: metres east, north, up of the eye.
+/// Where shaders/scalar_draw.vert.glsl puts the vertices of a tile of method `scalar`: metres east, north, up of the
+/// eye.
 ///
 /// Inside, inverse quantisation and the tile's place are one matrix (Fowler et al., equation 5). On its sides, which
 /// tiles with other quantisers share, a vertex is first placed in whole samples and height steps on a lattice that all
