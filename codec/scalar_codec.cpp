@@ -18,7 +18,7 @@ namespace {
 constexpr auto kPayloadVersion = std::byte{2};
 constexpr auto kWhole = std::byte{0};
 constexpr auto kHoled = std::byte{1};
-constexpr std::uint64_t kMostSteps = std::uint64_t{1} << 28;
+constexpr std::int64_t kMostSteps = std::int64_t{1} << 28;
 
 /// A side's vertices as a binary tree over the least power of two that reaches its end: bit 1 halves a piece. What
 /// lies beyond the end is cut off.
@@ -92,10 +92,14 @@ bool take_missing(std::span<const std::byte>& bytes, std::vector<bool>& missing)
 
 Error damaged() { return {ErrorCode::kBadData, "the payload is no grid of heights", {}}; }
 
-Error unfit() { return {ErrorCode::kBadData, "the mesh exceeds what a payload of method scalar holds", {}}; }
+bool is_size(std::int64_t v) { return v >= 1 && v <= kMostSteps; }
 
+/// What decode() demands beside what any grid's bytes fulfil.
 bool is_within_limits(const TileMesh& mesh) {
-  return mesh.xy_shift >= kMinXyShift && mesh.xy_shift <= kMaxXyShift && std::abs(mesh.z_offset) <= kMaxHeightOffset &&
+  const BlockTree& blocks = mesh.scalar_shape->blocks;
+  return is_size(blocks.width()) && is_size(blocks.height()) && is_size(blocks.stride()) &&
+         std::has_single_bit(static_cast<std::uint32_t>(blocks.stride())) && mesh.xy_shift >= kMinXyShift &&
+         mesh.xy_shift <= kMaxXyShift && std::abs(mesh.z_offset) <= kMaxHeightOffset &&
          std::ranges::all_of(mesh.vertices, [](const GridVertex& v) { return v.z >= 0 && v.z <= kMaxHeightAddress; });
 }
 
@@ -179,8 +183,8 @@ bool take_shape(std::span<const std::byte>& bytes, bool holed, ScalarShape& shap
   std::uint64_t height = 0;
   std::uint64_t stride = 0;
   if (!take_varint(bytes, width) || !take_varint(bytes, height) || !take_varint(bytes, stride)) return false;
-  const auto is_size = [](std::uint64_t v) { return v >= 1 && v <= kMostSteps; };
-  if (!is_size(width) || !is_size(height) || !is_size(stride) || !std::has_single_bit(stride)) return false;
+  const auto fits = [](std::uint64_t v) { return is_size(static_cast<std::int64_t>(v)); };
+  if (!fits(width) || !fits(height) || !fits(stride) || !std::has_single_bit(stride)) return false;
   const auto w = static_cast<std::int32_t>(width);
   const auto h = static_cast<std::int32_t>(height);
   const auto s = static_cast<std::int32_t>(stride);
@@ -201,7 +205,8 @@ bool take_shape(std::span<const std::byte>& bytes, bool holed, ScalarShape& shap
 }  // namespace
 
 Expected<std::vector<std::byte>> ScalarCodec::encode(const TileMesh& mesh) const {
-  if (!is_within_limits(mesh)) return tl::unexpected(unfit());
+  if (mesh.scalar_shape && !is_within_limits(mesh))
+    return fail(ErrorCode::kBadData, "the mesh exceeds what a payload of method scalar holds");
   auto found = find_scalar_tile(mesh);
   if (!found) return fail(ErrorCode::kBadData, "the mesh is no grid of method scalar");
   ScalarTile& tile = found->tile;
@@ -235,8 +240,6 @@ Expected<std::vector<std::byte>> ScalarCodec::encode(const TileMesh& mesh) const
   std::vector<std::int32_t> heights;
   for_each_inner(border_count, tile, [&](std::int32_t z) { heights.push_back(z); });
   put_quantized(out, heights);
-  // What decode() demands of a shape's bytes beside their values, a mesh from elsewhere need not fulfil.
-  if (!decode(out)) return tl::unexpected(unfit());
   return out;
 }
 
