@@ -2,8 +2,9 @@
 
 #include <array>
 #include <cmath>
-#include <unordered_map>
 #include <utility>
+
+#include "cache/skirt.h"
 
 namespace tintree::cache {
 namespace {
@@ -58,58 +59,6 @@ std::int64_t steps_across(const codec::TreeLayout& layout, const codec::TileId& 
   return mesh.xy_shift >= 0 ? cells >> mesh.xy_shift : cells << -mesh.xy_shift;
 }
 
-/// Adds the skirt to a tile that holds its surface.
-class SkirtMaker {
- public:
-  SkirtMaker(const codec::TreeLayout& layout, const codec::TileMesh& mesh, std::uint16_t joined_sides,
-             DrawableTile& tile, std::vector<std::uint32_t>& indices)
-      : mesh_(mesh),
-        tile_(tile),
-        indices_(indices),
-        outline_(tile_outline(layout, tile.id, mesh.xy_shift, joined_sides)) {}
-
-  void add() {
-    for (const codec::Triangle& t : mesh_.triangles) {
-      for (std::size_t corner = 0; corner < 3; ++corner) {
-        const std::uint32_t a = t[corner];
-        const std::uint32_t b = t[(corner + 1) % 3];
-        if ((sides(a) & sides(b)) != 0) add_edge(a, b);
-      }
-    }
-  }
-
- private:
-  std::uint16_t sides(std::uint32_t i) const {
-    const codec::GridVertex& v = mesh_.vertices[i];
-    const int on = (v.x == 0 ? kSkirtWest : 0) | (v.x == outline_.east ? kSkirtEast : 0) |
-                   (v.y == 0 ? kSkirtNorth : 0) | (v.y == outline_.south ? kSkirtSouth : 0);
-    return static_cast<std::uint16_t>(on & outline_.sides);
-  }
-
-  void add_edge(std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t low_a = lowered(a);
-    const std::uint32_t low_b = lowered(b);
-    for (const std::uint32_t i : {b, a, low_a, b, low_a, low_b}) indices_.push_back(i);
-  }
-
-  std::uint32_t lowered(std::uint32_t i) {
-    const auto next = static_cast<std::uint32_t>(tile_.vertices.size());
-    const auto [at, added] = lowered_.try_emplace(i, next);
-    if (added) {
-      DrawVertex copy = tile_.vertices[i];
-      copy.high = static_cast<std::uint16_t>(copy.high | sides(i));
-      tile_.vertices.push_back(copy);
-    }
-    return at->second;
-  }
-
-  const codec::TileMesh& mesh_;
-  DrawableTile& tile_;
-  std::vector<std::uint32_t>& indices_;
-  TileOutline outline_;
-  std::unordered_map<std::uint32_t, std::uint32_t> lowered_;
-};
-
 }  // namespace
 
 TileOutline tile_outline(const codec::TreeLayout& layout, const codec::TileId& id, int xy_shift,
@@ -131,6 +80,15 @@ DrawVertex DrawVertex::pack(std::int32_t x, std::int32_t y, std::int32_t z) {
   return out;
 }
 
+void DrawableTile::set_indices(std::vector<std::uint32_t> all, std::size_t vertex_count) {
+  if (vertex_count > 0x10000) {
+    wide_indices = std::move(all);
+    return;
+  }
+  indices.reserve(all.size());
+  for (const std::uint32_t i : all) indices.push_back(static_cast<std::uint16_t>(i));
+}
+
 DrawableTile make_drawable(const codec::TreeLayout& layout, const codec::TileId& id, const codec::TileMesh& mesh,
                            std::uint16_t joined_sides) {
   DrawableTile tile;
@@ -147,13 +105,14 @@ DrawableTile make_drawable(const codec::TreeLayout& layout, const codec::TileId&
   indices.reserve(3 * mesh.triangles.size() + 3 * mesh.triangles.size() / 8);
   for (const codec::Triangle& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
   tile.surface_triangles = static_cast<std::uint32_t>(mesh.triangles.size());
-  SkirtMaker(layout, mesh, joined_sides, tile, indices).add();
-  if (tile.vertices.size() <= 0x10000) {
-    tile.indices.reserve(indices.size());
-    for (const std::uint32_t i : indices) tile.indices.push_back(static_cast<std::uint16_t>(i));
-  } else {
-    tile.wide_indices = std::move(indices);
-  }
+  const auto lower = [&](std::uint32_t i, std::uint16_t sides) {
+    DrawVertex copy = tile.vertices[i];
+    copy.high = static_cast<std::uint16_t>(copy.high | sides);
+    tile.vertices.push_back(copy);
+    return static_cast<std::uint32_t>(tile.vertices.size() - 1);
+  };
+  add_skirts(mesh, tile_outline(layout, id, mesh.xy_shift, joined_sides), lower, indices);
+  tile.set_indices(std::move(indices), tile.vertices.size());
   tile.occluder = std::make_shared<const Occluder>(make_occluder(layout, id, mesh));
   return tile;
 }

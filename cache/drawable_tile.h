@@ -94,6 +94,8 @@ struct DrawableTile {
   std::optional<TileRelief> relief;          ///< and this: of tiles that are lit by their patch.
   NativeGround native;                       ///< What is drawn in the mesh's place; make_drawable() leaves it out.
 
+  /// Of a tile with so many vertices.
+  void set_indices(std::vector<std::uint32_t> all, std::size_t vertex_count);
   std::size_t index_count() const { return indices.size() + wide_indices.size(); }
   std::uint32_t index(std::size_t i) const { return indices.empty() ? wide_indices[i] : indices[i]; }
   std::size_t vertex_bytes() const { return vertices.size() * sizeof(DrawVertex); }

@@ -56,6 +56,7 @@ Expected<Loaded> load(const TileCache::Source& tree, const codec::TileId& id, Pa
   std::shared_ptr<DrawableTile> tile;
   if (tree.ground == Ground::kStrip)
     tile = make_drawable_strip(tree.layout, id, std::move(stored->payload), *mesh, tree.joined_sides);
+  if (tree.ground == Ground::kScalar) tile = make_drawable_quantized(tree.layout, id, *mesh, tree.joined_sides);
   if (tile == nullptr) tile = std::make_shared<DrawableTile>(make_drawable(tree.layout, id, *mesh, tree.joined_sides));
   Loaded out{std::move(tile), std::move(*mesh), payload_bytes};
   if (tree.ground == Ground::kNested) add_nested(tree, *stored, std::move(parent), out);

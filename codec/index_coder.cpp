@@ -68,37 +68,42 @@ void put_table(std::vector<std::byte>& out, std::span<const std::int32_t> height
   });
 }
 
-bool take_uniform(std::span<const std::byte> bytes, std::span<std::int32_t> heights) {
+std::optional<HeightQuantizer> take_uniform(std::span<const std::byte> bytes, std::span<std::int32_t> heights) {
   std::uint64_t low = 0;
   std::uint64_t step = 0;
   std::uint64_t levels = 0;
   constexpr auto kMost = static_cast<std::uint64_t>(kMaxHeightAddress);
-  if (!take_varint(bytes, low) || !take_varint(bytes, step) || !take_varint(bytes, levels)) return false;
-  if (low > kMost || step < 1 || step > kMost || levels < kLeastLevels || levels > kMost + 2) return false;
+  if (!take_varint(bytes, low) || !take_varint(bytes, step) || !take_varint(bytes, levels)) return std::nullopt;
+  if (low > kMost || step < 1 || step > kMost || levels < kLeastLevels || levels > kMost + 2) return std::nullopt;
   bool inside = true;
   const bool taken = take_indices(bytes, heights.size(), levels, [&](std::size_t i, std::uint64_t index) {
     const std::uint64_t height = low + index * step;
     inside = inside && height <= kMost;
     heights[i] = static_cast<std::int32_t>(height & kMost);
   });
-  return taken && inside;
+  if (!taken || !inside) return std::nullopt;
+  return HeightQuantizer{static_cast<std::int32_t>(low), static_cast<std::int32_t>(step)};
 }
 
-bool take_table(std::span<const std::byte> bytes, std::span<std::int32_t> heights) {
+std::optional<HeightQuantizer> take_table(std::span<const std::byte> bytes, std::span<std::int32_t> heights) {
   std::uint64_t count = 0;
   // An entry takes a byte at least.
-  if (!take_varint(bytes, count) || count < kLeastLevels || count > bytes.size()) return false;
-  std::vector<std::int32_t> table;
+  if (!take_varint(bytes, count) || count < kLeastLevels || count > bytes.size()) return std::nullopt;
+  HeightQuantizer out;
+  std::vector<std::int32_t>& table = out.table;
   std::uint64_t height = 0;
   for (std::uint64_t k = 0; k < count; ++k) {
     std::uint64_t step = 0;
-    if (!take_varint(bytes, step) || step > static_cast<std::uint64_t>(kMaxHeightAddress)) return false;
+    if (!take_varint(bytes, step) || step > static_cast<std::uint64_t>(kMaxHeightAddress)) return std::nullopt;
     height += step;
-    if (height > static_cast<std::uint64_t>(kMaxHeightAddress)) return false;
+    if (height > static_cast<std::uint64_t>(kMaxHeightAddress)) return std::nullopt;
     table.push_back(static_cast<std::int32_t>(height));
   }
-  return take_indices(bytes, heights.size(), count,
-                      [&](std::size_t i, std::uint64_t index) { heights[i] = table[static_cast<std::size_t>(index)]; });
+  const bool taken = take_indices(bytes, heights.size(), count, [&](std::size_t i, std::uint64_t index) {
+    heights[i] = table[static_cast<std::size_t>(index)];
+  });
+  if (!taken) return std::nullopt;
+  return out;
 }
 
 }  // namespace
@@ -122,12 +127,11 @@ void put_quantized(std::vector<std::byte>& out, std::span<const std::int32_t> he
   out.insert(out.end(), uniform.begin(), uniform.end());
 }
 
-bool take_quantized(std::span<const std::byte> bytes, std::span<std::int32_t> heights) {
-  if (heights.empty()) return bytes.empty();
-  if (bytes.empty()) return false;
+std::optional<HeightQuantizer> take_quantized(std::span<const std::byte> bytes, std::span<std::int32_t> heights) {
+  if (bytes.empty()) return std::nullopt;
   const auto kind = static_cast<std::uint8_t>(bytes.front());
   if (kind == kUniform) return take_uniform(bytes.subspan(1), heights);
-  return kind == kTable && take_table(bytes.subspan(1), heights);
+  return kind == kTable ? take_table(bytes.subspan(1), heights) : std::nullopt;
 }
 
 }  // namespace tintree::codec

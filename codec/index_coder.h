@@ -2,8 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
+
+#include "codec/height_quantizer.h"
 
 namespace tintree::codec {
 
@@ -11,7 +14,8 @@ namespace tintree::codec {
 /// table, whichever is shorter.
 void put_quantized(std::vector<std::byte>& out, std::span<const std::int32_t> heights);
 
-/// Reads `heights.size()` of them; false when the bytes are not what put_quantized() writes, or more follow.
-bool take_quantized(std::span<const std::byte> bytes, std::span<std::int32_t> heights);
+/// Reads `heights.size()` (1 or more) of them and returns their quantiser; nothing when the bytes are not what
+/// put_quantized() writes, or more follow.
+std::optional<HeightQuantizer> take_quantized(std::span<const std::byte> bytes, std::span<std::int32_t> heights);
 
 }  // namespace tintree::codec

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <cstdlib>
+#include <optional>
 #include <utility>
 
 #include "codec/bit_pack.h"
@@ -16,7 +18,7 @@ namespace {
 constexpr auto kPayloadVersion = std::byte{2};
 constexpr auto kWhole = std::byte{0};
 constexpr auto kHoled = std::byte{1};
-constexpr std::uint64_t kMostSteps = std::uint64_t{1} << 28;
+constexpr std::int64_t kMostSteps = std::int64_t{1} << 28;
 
 /// A side's vertices as a binary tree over the least power of two that reaches its end: bit 1 halves a piece. What
 /// lies beyond the end is cut off.
@@ -90,6 +92,17 @@ bool take_missing(std::span<const std::byte>& bytes, std::vector<bool>& missing)
 
 Error damaged() { return {ErrorCode::kBadData, "the payload is no grid of heights", {}}; }
 
+bool is_size(std::int64_t v) { return v >= 1 && v <= kMostSteps; }
+
+/// What decode() demands beside what any grid's bytes fulfil.
+bool is_within_limits(const TileMesh& mesh) {
+  const BlockTree& blocks = mesh.scalar_shape->blocks;
+  return is_size(blocks.width()) && is_size(blocks.height()) && is_size(blocks.stride()) &&
+         std::has_single_bit(static_cast<std::uint32_t>(blocks.stride())) && mesh.xy_shift >= kMinXyShift &&
+         mesh.xy_shift <= kMaxXyShift && std::abs(mesh.z_offset) <= kMaxHeightOffset &&
+         std::ranges::all_of(mesh.vertices, [](const GridVertex& v) { return v.z >= 0 && v.z <= kMaxHeightAddress; });
+}
+
 bool take_border(std::span<const std::byte>& bytes, std::size_t border_count, ScalarTile& tile) {
   std::int64_t height = 0;
   for (std::size_t i = 0; i < border_count; ++i) {
@@ -111,11 +124,15 @@ void for_each_inner(std::size_t border_count, ScalarTile& tile, const Visit& vis
   }
 }
 
-bool take_inner(std::span<const std::byte> bytes, std::size_t border_count, ScalarTile& tile) {
+/// `quantizer` stays empty where no vertex is inside.
+bool take_inner(std::span<const std::byte> bytes, std::size_t border_count, ScalarTile& tile,
+                std::optional<HeightQuantizer>& quantizer) {
   std::size_t count = 0;
   for_each_inner(border_count, tile, [&](std::int32_t) { ++count; });
   std::vector<std::int32_t> heights(count);
-  if (!take_quantized(bytes, heights)) return false;
+  if (heights.empty()) return bytes.empty();
+  quantizer = take_quantized(bytes, heights);
+  if (!quantizer) return false;
   std::size_t next = 0;
   for_each_inner(border_count, tile, [&](std::int32_t& z) { z = heights[next++]; });
   return true;
@@ -166,8 +183,8 @@ bool take_shape(std::span<const std::byte>& bytes, bool holed, ScalarShape& shap
   std::uint64_t height = 0;
   std::uint64_t stride = 0;
   if (!take_varint(bytes, width) || !take_varint(bytes, height) || !take_varint(bytes, stride)) return false;
-  const auto is_size = [](std::uint64_t v) { return v >= 1 && v <= kMostSteps; };
-  if (!is_size(width) || !is_size(height) || !is_size(stride) || !std::has_single_bit(stride)) return false;
+  const auto fits = [](std::uint64_t v) { return is_size(static_cast<std::int64_t>(v)); };
+  if (!fits(width) || !fits(height) || !fits(stride) || !std::has_single_bit(stride)) return false;
   const auto w = static_cast<std::int32_t>(width);
   const auto h = static_cast<std::int32_t>(height);
   const auto s = static_cast<std::int32_t>(stride);
@@ -188,6 +205,8 @@ bool take_shape(std::span<const std::byte>& bytes, bool holed, ScalarShape& shap
 }  // namespace
 
 Expected<std::vector<std::byte>> ScalarCodec::encode(const TileMesh& mesh) const {
+  if (mesh.scalar_shape && !is_within_limits(mesh))
+    return fail(ErrorCode::kBadData, "the mesh exceeds what a payload of method scalar holds");
   auto found = find_scalar_tile(mesh);
   if (!found) return fail(ErrorCode::kBadData, "the mesh is no grid of method scalar");
   ScalarTile& tile = found->tile;
@@ -241,9 +260,12 @@ Expected<TileMesh> ScalarCodec::decode(std::span<const std::byte> bytes) const {
     if (!take_missing(bytes, tile.missing)) return tl::unexpected(damaged());
   }
   tile.z.assign(grid->places.size(), 0);
-  if (!take_border(bytes, grid->border_count, tile) || !take_inner(bytes, grid->border_count, tile))
+  std::optional<HeightQuantizer> quantizer;
+  if (!take_border(bytes, grid->border_count, tile) || !take_inner(bytes, grid->border_count, tile, quantizer))
     return tl::unexpected(damaged());
-  return tile.mesh(std::move(*grid));
+  TileMesh mesh = tile.mesh(std::move(*grid));
+  mesh.height_quantizer = std::move(quantizer);
+  return mesh;
 }
 
 }  // namespace tintree::codec

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "codec/error.h"
+#include "codec/height_quantizer.h"
 #include "codec/scalar_shape.h"
 
 namespace tintree::codec {
@@ -45,6 +46,8 @@ struct TileMesh {
   std::vector<NestedGap> nested_gaps{};
   /// Method `scalar` alone: what grids the vertices belong to.
   std::optional<ScalarShape> scalar_shape{};
+  /// Of the heights inside such a tile, where it has been decoded and there are any. Encoders find their own.
+  std::optional<HeightQuantizer> height_quantizer{};
 };
 
 /// Limits of the format; readers refuse what exceeds them before they allocate for it.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/scalar_vertices.h"
+
 namespace tintree::render {
 namespace {
 
@@ -29,6 +31,14 @@ void describe_morph_vertex(const GlFunctions& gl) {
   gl.VertexAttribPointer(3, 4, GL_SHORT, GL_TRUE, kStride, offset(offsetof(MorphVertex, normal_x)));
   gl.VertexAttribIPointer(4, 1, GL_UNSIGNED_SHORT, kStride, offset(offsetof(MorphVertex, skirt)));
   for (GLuint location = 2; location < 5; ++location) gl.EnableVertexAttribArray(location);
+}
+
+/// As in shaders/scalar_word.glsl and scalar_draw.vert.glsl.
+void describe_lit_word(const GlFunctions& gl) {
+  constexpr GLsizei kStride = sizeof(LitWord);
+  gl.VertexAttribIPointer(0, 1, GL_UNSIGNED_INT, kStride, offset(0));
+  gl.VertexAttribPointer(1, 2, GL_SHORT, GL_TRUE, kStride, offset(offsetof(LitWord, normal_x)));
+  for (GLuint location = 0; location < 2; ++location) gl.EnableVertexAttribArray(location);
 }
 
 /// A word of a strip is an index by itself.
@@ -58,7 +68,7 @@ bool GpuPages::add_page(std::size_t length) {
   const std::size_t usual = std::clamp(budget_bytes_ / kPages, std::size_t{1} << 20, kLargestPage) / kUnit;
   const std::size_t units = std::min(std::max(usual, length), left / kUnit);
   if (units < length) return false;
-  GpuPage page{0, 0, 0, 0, RangeAllocator(units), units * kUnit};
+  GpuPage page{0, 0, 0, 0, 0, RangeAllocator(units), units * kUnit};
   while (gl_->GetError() != GL_NO_ERROR) {
   }
   gl_->GenBuffers(1, &page.buffer);
@@ -66,6 +76,7 @@ bool GpuPages::add_page(std::size_t length) {
   gl_->BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(units * kUnit), nullptr, GL_STATIC_DRAW);
   page.vertex_array = make_vertex_array(page.buffer, describe_vertex);
   page.morph_vertex_array = make_vertex_array(page.buffer, describe_morph_vertex);
+  page.lit_vertex_array = make_vertex_array(page.buffer, describe_lit_word);
   page.strip_vertex_array = make_vertex_array(page.buffer, describe_nothing);
   if (gl_->GetError() != GL_NO_ERROR) {
     // The card has less than the budget: what there is has to do.
@@ -99,11 +110,12 @@ std::optional<std::size_t> GpuPages::find_page(const std::vector<bool>& kept) co
 void GpuPages::drop(std::size_t page) {
   free_page(pages_[page]);
   reserved_bytes_ -= pages_[page].bytes;
-  pages_[page] = {0, 0, 0, 0, RangeAllocator(0), 0};
+  pages_[page] = {0, 0, 0, 0, 0, RangeAllocator(0), 0};
 }
 
 void GpuPages::free_page(const GpuPage& page) {
-  for (const GLuint array : {page.vertex_array, page.morph_vertex_array, page.strip_vertex_array})
+  for (const GLuint array :
+       {page.vertex_array, page.morph_vertex_array, page.lit_vertex_array, page.strip_vertex_array})
     gl_->DeleteVertexArrays(1, &array);
   gl_->DeleteBuffers(1, &page.buffer);
 }

@@ -23,6 +23,7 @@ struct PageRange {
 struct GpuPage {
   GLuint vertex_array = 0;        ///< Of cache::DrawVertex,
   GLuint morph_vertex_array = 0;  ///< of cache::MorphVertex,
+  GLuint lit_vertex_array = 0;    ///< of LitWord,
   GLuint strip_vertex_array = 0;  ///< and of nothing, for words.
   GLuint buffer = 0;
   RangeAllocator free;  ///< In units.

@@ -9,6 +9,7 @@ namespace {
 
 using cache::DrawVertex;
 using cache::MorphVertex;
+using cache::QuantizedShape;
 using cache::StripShape;
 
 }  // namespace
@@ -23,7 +24,10 @@ GpuTilePool::GpuTilePool(const GlFunctions& gl, const GpuBudgets& budgets, GpuMa
       makers_(std::move(makers)) {}
 
 GpuTilePool::~GpuTilePool() {
-  for (const Entry& entry : entries_) destroy(*gl_, entry.tile.relief);
+  for (const Entry& entry : entries_) {
+    destroy(*gl_, entry.tile.relief);
+    if (entry.tile.quantizer) destroy(*gl_, *entry.tile.quantizer);
+  }
 }
 
 bool GpuTilePool::contains(const cache::TileRef& tile) const {
@@ -40,11 +44,14 @@ bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& t
   const std::size_t relief_bytes = relief      ? PatchReconstructor::bytes(*tile.relief)
                                    : lit_strip ? StripNormals::bytes(strip->strip())
                                                : 0;
-  if (!make_room_for_pictures(tile.pictures.bytes() + relief_bytes)) return false;
+  const QuantizedShape* quantized = tile.native.scalar.get();
+  const std::size_t levels_bytes = quantized != nullptr ? table_bytes(*quantized) : 0;
+  if (!make_room_for_pictures(tile.pictures.bytes() + relief_bytes + levels_bytes)) return false;
   Entry out{ref, {}, {}, frame_, 0};
-  const bool placed = tile.native.nested ? place_nested(tile, out)
-                      : strip != nullptr ? place_strip(tile, out)
-                                         : place_mesh(tile, out);
+  const bool placed = tile.native.nested     ? place_nested(tile, out)
+                      : strip != nullptr     ? place_strip(tile, out)
+                      : quantized != nullptr ? place_quantized(tile, out)
+                                             : place_mesh(tile, out);
   if (!placed) return false;
   out.tile.frame = tile.frame;
   out.tile.pictures = textures_.upload(tile.pictures);
@@ -54,9 +61,8 @@ bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& t
                                                             out.tile.strip.first_word);
     out.tile.relief.bytes = relief_bytes;
   }
-  const std::size_t picture_bytes = out.tile.pictures.bytes + out.tile.relief.bytes;
-  picture_bytes_ += picture_bytes;
-  out.tile.bytes += picture_bytes;
+  picture_bytes_ += picture_bytes(out.tile);
+  out.tile.bytes += picture_bytes(out.tile);
   bytes_ += out.tile.bytes;
   entries_.push_front(std::move(out));
   tiles_[ref] = entries_.begin();
@@ -94,6 +100,31 @@ bool GpuTilePool::place_strip(const cache::DrawableTile& tile, Entry& out) {
       shape.strip(), shape.borders(), {page.buffer, first_word, shape.triangle_words(), shape.skirt_words()});
   assert(decoded);
   static_cast<void>(decoded);
+  out.tile.occluder = tile.occluder;
+  out.tile.bytes = out.place.bytes();
+  return true;
+}
+
+bool GpuTilePool::place_quantized(const cache::DrawableTile& tile, Entry& out) {
+  const QuantizedShape& shape = *tile.native.scalar;
+  // Vertices begin at multiples of their size, counted from the buffer's begin.
+  const std::size_t bytes = (shape.words.size() + 1) * sizeof(LitWord) + tile.index_bytes();
+  if (!place((bytes + GpuPages::kUnit - 1) / GpuPages::kUnit, out.place)) return false;
+  const GpuPage& page = pages_.page(out.place);
+  const std::size_t begin =
+      (out.place.begin * GpuPages::kUnit + sizeof(LitWord) - 1) / sizeof(LitWord) * sizeof(LitWord);
+  const std::size_t indices = begin + shape.words.size() * sizeof(LitWord);
+  gl_->BindBuffer(GL_ARRAY_BUFFER, page.buffer);
+  const std::span<const LitWord> none;
+  GpuMesh& mesh = out.tile.quantized;
+  mesh = tile.indices.empty()
+             ? copy(page.lit_vertex_array, indices, none, std::span<const std::uint32_t>(tile.wide_indices))
+             : copy(page.lit_vertex_array, indices, none, std::span<const std::uint16_t>(tile.indices));
+  mesh.base_vertex = static_cast<GLint>(begin / sizeof(LitWord));
+  mesh.surface_triangles = tile.surface_triangles;
+  out.tile.quantizer = make_quantizer(*gl_, shape);
+  makers_.scalars->make(shape, *out.tile.quantizer, tile.frame,
+                        {page.buffer, mesh.index_offset, mesh.index_type, mesh.surface_triangles}, page.buffer, begin);
   out.tile.occluder = tile.occluder;
   out.tile.bytes = out.place.bytes();
   return true;
@@ -206,9 +237,10 @@ void GpuTilePool::evict(Entries::iterator entry) {
   if (entry->tile.chunk) nested_.give_back(*entry->tile.chunk);
   owners_.erase(entry->owner);
   bytes_ -= entry->tile.bytes;
-  picture_bytes_ -= entry->tile.pictures.bytes + entry->tile.relief.bytes;
+  picture_bytes_ -= picture_bytes(entry->tile);
   textures_.give_back(entry->tile.pictures);
   destroy(*gl_, entry->tile.relief);
+  if (entry->tile.quantizer) destroy(*gl_, *entry->tile.quantizer);
   tiles_.erase(entry->ref);
   entries_.erase(entry);
 }

@@ -19,6 +19,7 @@
 #include "render/nested_chunks.h"
 #include "render/patch_reconstructor.h"
 #include "render/picture_textures.h"
+#include "render/scalar_vertices.h"
 #include "render/strip_unpacker.h"
 
 namespace tintree::render {
@@ -50,6 +51,8 @@ struct GpuTile {
   GpuMesh mesh;
   GpuMesh morph;  ///< The overlay with its parent.
   GpuStrip strip;
+  GpuMesh quantized;  ///< Of LitWord, read by
+  std::optional<GpuQuantizer> quantizer;
   codec::GridFrame frame;
   std::shared_ptr<const cache::Occluder> occluder;
   GpuPictures pictures;
@@ -65,7 +68,7 @@ struct GpuTile {
 /// Graphics memory for tiles, by what it holds; never exceeded.
 struct GpuBudgets {
   std::size_t mesh_bytes = 0;     ///< Strips' words too, and what is set aside.
-  std::size_t picture_bytes = 0;  ///< Reliefs too.
+  std::size_t picture_bytes = 0;  ///< Reliefs and tables of heights too.
   std::size_t nested_bytes = 0;
   std::size_t fine_texture_bytes = 0;  ///< For textures on squares in leaves,
   std::size_t fine_texture_kinds = 0;  ///< of so many kinds.
@@ -74,7 +77,8 @@ struct GpuBudgets {
 /// Makes on the card what is not sent there; null for what no tree needs.
 struct GpuMakers {
   std::unique_ptr<PatchReconstructor> reliefs;  ///< Without it, reliefs are left out.
-  std::unique_ptr<StripUnpacker> strips;        ///< Without it no tile may be a strip.
+  std::unique_ptr<StripUnpacker> strips;        ///< Without it no tile may be a strip,
+  std::unique_ptr<ScalarVertices> scalars;      ///< and without this none may be quantised.
 };
 
 /// The tiles uploaded so far, overlays too, in ranges of a few large buffers: a new tile takes the place of the least
@@ -117,6 +121,7 @@ class GpuTilePool {
   }
   bool makes_reliefs() const { return makers_.reliefs != nullptr; }
   bool has_strips() const { return makers_.strips != nullptr; }
+  bool has_scalars() const { return makers_.scalars != nullptr; }
 
  private:
   struct Entry {
@@ -128,11 +133,16 @@ class GpuTilePool {
   };
   using Entries = std::list<Entry>;
 
+  /// What a tile takes of GpuBudgets::picture_bytes.
+  static std::size_t picture_bytes(const GpuTile& tile) {
+    return tile.pictures.bytes + tile.relief.bytes + (tile.quantizer ? tile.quantizer->bytes : 0);
+  }
   /// Whether the tile's nested levels have left the cache.
   static bool is_hollow(const GpuTile& tile) { return tile.chunk && tile.nested.expired(); }
   bool place_mesh(const cache::DrawableTile& tile, Entry& out);
   bool place_nested(const cache::DrawableTile& tile, Entry& out);
   bool place_strip(const cache::DrawableTile& tile, Entry& out);
+  bool place_quantized(const cache::DrawableTile& tile, Entry& out);
   /// Copies arrays into a page's buffer, the vertices to `at` bytes into it and the indices behind them.
   template <typename Vertex, typename Index>
   GpuMesh copy(GLuint vertex_array, std::size_t at, std::span<const Vertex> vertices, std::span<const Index> indices);
@@ -155,7 +165,7 @@ class GpuTilePool {
   NestedChunks nested_;
   GpuMakers makers_;
   std::size_t bytes_ = 0;
-  std::size_t picture_bytes_ = 0;  ///< Of these, reliefs too.
+  std::size_t picture_bytes_ = 0;  ///< Of these, reliefs and tables too.
   std::uint64_t frame_ = 0;
   std::uint64_t next_owner_ = 0;
   std::unordered_map<std::uint64_t, Entries::iterator> owners_;  ///< Of chunks.

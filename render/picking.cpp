@@ -128,7 +128,14 @@ double first_of(const Ray& ray, const cache::StripShape& shape) {
 }
 
 double first_of(const Ray& ray, const cache::DrawableTile& tile) {
-  return first_of(ray, 3 * std::size_t{tile.surface_triangles}, [&](std::size_t i) {
+  const std::size_t corners = 3 * std::size_t{tile.surface_triangles};
+  if (const cache::QuantizedShape* shape = tile.native.scalar.get()) {
+    return first_of(ray, corners, [&](std::size_t i) {
+      const codec::GridVertex v = shape->vertex(shape->words[tile.index(i)]);
+      return glm::dvec3(v.x, v.y, v.z);
+    });
+  }
+  return first_of(ray, corners, [&](std::size_t i) {
     const cache::DrawVertex& v = tile.vertices[tile.index(i)];
     return glm::dvec3(v.x(), v.y(), v.z());
   });

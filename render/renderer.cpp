@@ -57,17 +57,21 @@ Expected<Renderer> Renderer::create(const GlFunctions& gl) {
   if (!nested) return tl::unexpected(nested.error());
   auto strips = StripDrawer::create(gl);
   if (!strips) return tl::unexpected(strips.error());
+  auto scalars = ScalarDrawer::create(gl);
+  if (!scalars) return tl::unexpected(scalars.error());
   auto sky = ShaderProgram::create(gl, "sky.vert.glsl", "sky.frag.glsl");
   if (!sky) return tl::unexpected(sky.error());
-  return Renderer(gl, std::move(*terrain), std::move(*nested), std::move(*strips), std::move(*sky));
+  return Renderer(gl, std::move(*terrain), std::move(*nested), std::move(*strips), std::move(*scalars),
+                  std::move(*sky));
 }
 
 Renderer::Renderer(const GlFunctions& gl, ShaderProgram terrain, NestedDrawer nested, StripDrawer strips,
-                   ShaderProgram sky)
+                   ScalarDrawer scalars, ShaderProgram sky)
     : gl_(&gl),
       terrain_(std::move(terrain)),
       nested_(std::move(nested)),
       strips_(std::move(strips)),
+      scalars_(std::move(scalars)),
       sky_(std::move(sky)) {
   gl_->GenVertexArrays(1, &no_vertices_);
 }
@@ -77,6 +81,7 @@ Renderer::Renderer(Renderer&& other) noexcept
       terrain_(std::move(other.terrain_)),
       nested_(std::move(other.nested_)),
       strips_(std::move(other.strips_)),
+      scalars_(std::move(other.scalars_)),
       sky_(std::move(other.sky_)),
       no_vertices_(std::exchange(other.no_vertices_, 0)) {}
 
@@ -161,6 +166,10 @@ DrawStats Renderer::draw_ground(const Camera& camera, Trees trees, const LodCut&
   if (pool.has_strips()) {
     begin(strips_.program(), camera, trees, cut, style);
     strips_.draw(camera, trees, cut, pool, style, stats);
+  }
+  if (pool.has_scalars()) {
+    begin(scalars_.program(), camera, trees, cut, style);
+    scalars_.draw(camera, trees, cut, pool, style, stats);
   }
   gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   gl_->BindVertexArray(0);

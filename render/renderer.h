@@ -9,6 +9,7 @@
 #include "render/lod_cut.h"
 #include "render/nested_drawer.h"
 #include "render/offscreen_target.h"
+#include "render/scalar_drawer.h"
 #include "render/shader_program.h"
 #include "render/strip_drawer.h"
 
@@ -16,8 +17,8 @@ namespace tintree::render {
 
 /// Draws a cut: every tile through the matrix that takes its grid addresses to metres relative to the eye
 /// (codec::GridFrame::matrix, made in double), lit by the sun, tinted by height, with reversed depth. What a tile is on
-/// the card, a mesh, nested levels or a strip, decides how it is drawn; all are lit by one fragment shader.
-/// Lives and dies while its context is current; not thread-safe.
+/// the card, a mesh, nested levels, a strip or a quantised grid, decides how it is drawn; all are lit by one fragment
+/// shader. Lives and dies while its context is current; not thread-safe.
 class Renderer {
  public:
   /// `gl` must outlive it. Fails with kIo when the driver refuses a shader.
@@ -43,7 +44,8 @@ class Renderer {
   static double gap_slope(const Camera& camera, const LodCut& cut);
 
  private:
-  Renderer(const GlFunctions& gl, ShaderProgram terrain, NestedDrawer nested, StripDrawer strips, ShaderProgram sky);
+  Renderer(const GlFunctions& gl, ShaderProgram terrain, NestedDrawer nested, StripDrawer strips, ScalarDrawer scalars,
+           ShaderProgram sky);
   /// Uses a program of the ground and tells it what is the same for all tiles.
   void begin(const ShaderProgram& program, const Camera& camera, Trees trees, const LodCut& cut,
              const Style& style) const;
@@ -54,6 +56,7 @@ class Renderer {
   ShaderProgram terrain_;
   NestedDrawer nested_;
   StripDrawer strips_;
+  ScalarDrawer scalars_;
   ShaderProgram sky_;
   GLuint no_vertices_ = 0;  ///< The core profile demands a vertex array even where there is no vertex.
 };

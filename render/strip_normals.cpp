@@ -1,15 +1,12 @@
 #include "render/strip_normals.h"
 
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "render/square_texture.h"
 
 namespace tintree::render {
 namespace {
-
-constexpr Texels kSums{GL_RGBA32F, GL_RGBA, GL_FLOAT, GL_NEAREST};
 
 /// Texels from side to side of the tile: a power of two, so that places lie on texels or halfway between.
 int intervals(const codec::StripHead& head) {
@@ -21,16 +18,14 @@ int intervals(const codec::StripHead& head) {
 }  // namespace
 
 Expected<std::unique_ptr<StripNormals>> StripNormals::create(const GlFunctions& gl) {
-  auto sums = ShaderProgram::link(gl, std::array{ShaderStage{GL_VERTEX_SHADER, "strip.vert.glsl"},
-                                                 ShaderStage{GL_GEOMETRY_SHADER, "strip_sums.geom.glsl"},
-                                                 ShaderStage{GL_FRAGMENT_SHADER, "strip_sums.frag.glsl"}});
+  auto sums = NormalSums::create(gl, {GL_VERTEX_SHADER, "strip_sums.vert.glsl"});
   if (!sums) return tl::unexpected(sums.error());
   auto normals = ShaderProgram::create(gl, "strip_normals.vert.glsl", "strip_normals.frag.glsl");
   if (!normals) return tl::unexpected(normals.error());
   return std::unique_ptr<StripNormals>(new StripNormals(gl, std::move(*sums), std::move(*normals)));
 }
 
-StripNormals::StripNormals(const GlFunctions& gl, ShaderProgram sums, ShaderProgram normals)
+StripNormals::StripNormals(const GlFunctions& gl, NormalSums sums, ShaderProgram normals)
     : gl_(&gl), sums_(std::move(sums)), normals_(std::move(normals)) {
   gl_->GenFramebuffers(1, &framebuffer_);
 }
@@ -45,34 +40,17 @@ std::size_t StripNormals::bytes(const codec::StripHead& head) {
 GLuint StripNormals::make(const codec::StripHead& head, const codec::GridFrame& frame, GLuint vertex_array,
                           std::uint32_t first_word) const {
   const GlFunctions& gl = *gl_;
-  GLint framebuffer = 0;
-  std::array<GLint, 4> viewport{};
-  gl.GetIntegerv(GL_FRAMEBUFFER_BINDING, &framebuffer);
-  gl.GetIntegerv(GL_VIEWPORT, viewport.data());
-  gl.Disable(GL_DEPTH_TEST);
-  gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  const TargetGuard guard(gl);
   const auto draw = [&](GLenum kind) {
     gl.DrawElements(kind, static_cast<GLsizei>(3 * head.triangles), GL_UNSIGNED_INT,
                     reinterpret_cast<const void*>(std::size_t{4} * first_word));
   };
 
   const int places = (1 << head.levels) + 1;
-  gl.ActiveTexture(GL_TEXTURE0);
-  const GLuint sums = make_square_texture(gl, kSums, places, nullptr);
-  const double step = std::ldexp(1.0, frame.xy_shift);
-  const auto metres = [&](double axis, double spacing_m) { return static_cast<float>(axis * spacing_m * step); };
-  sums_.use();
-  gl.Uniform1i(sums_.uniform("xy_bits"), head.levels + 1);
-  gl.Uniform4f(sums_.uniform("axes"), metres(frame.axes.column[0], frame.dx_m),
-               metres(frame.axes.column[1], frame.dx_m), metres(frame.axes.row[0], frame.dy_m),
-               metres(frame.axes.row[1], frame.dy_m));
-  gl.Uniform1f(sums_.uniform("height_m"), static_cast<float>(std::ldexp(frame.z_step_m, head.z_shift)));
-  gl.Uniform1f(sums_.uniform("texels"), static_cast<float>(places));
-  draw_into(sums, places, vertex_array);
-  gl.Enable(GL_BLEND);
-  gl.BlendFunc(GL_ONE, GL_ONE);
-  draw(GL_TRIANGLES);
-  gl.Disable(GL_BLEND);
+  gl.BindVertexArray(vertex_array);
+  sums_.program().use();
+  gl.Uniform1i(sums_.program().uniform("xy_bits"), head.levels + 1);
+  const GLuint sums = sums_.make(frame, head.z_shift, places, [&] { draw(GL_TRIANGLES); });
 
   const int texels = intervals(head) + 1;
   const GLuint out = make_square_texture(gl, kNormalTexels, texels, nullptr);
@@ -89,8 +67,6 @@ GLuint StripNormals::make(const codec::StripHead& head, const codec::GridFrame& 
 
   gl.BindVertexArray(0);
   gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, 0, 0);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(framebuffer));
-  gl.Viewport(viewport[0], viewport[1], viewport[2], viewport[3]);
   gl.DeleteTextures(1, &sums);
   return out;
 }

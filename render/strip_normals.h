@@ -7,6 +7,7 @@
 #include "codec/grid_frame.h"
 #include "codec/strip_payload.h"
 #include "render/gl_functions.h"
+#include "render/normal_sums.h"
 #include "render/shader_program.h"
 
 namespace tintree::render {
@@ -32,11 +33,11 @@ class StripNormals {
               std::uint32_t first_word) const;
 
  private:
-  StripNormals(const GlFunctions& gl, ShaderProgram sums, ShaderProgram normals);
+  StripNormals(const GlFunctions& gl, NormalSums sums, ShaderProgram normals);
   void draw_into(GLuint texture, int texels, GLuint vertex_array) const;
 
   const GlFunctions* gl_;
-  ShaderProgram sums_;
+  NormalSums sums_;
   ShaderProgram normals_;
   GLuint framebuffer_ = 0;
 };

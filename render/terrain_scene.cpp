@@ -14,10 +14,11 @@ namespace {
 constexpr double kAhead_s = 1;
 constexpr std::size_t kMostAhead = 2048;
 
-/// What the store's tiles are drawn as. A strip on its way to its parent is a mesh.
+/// What the store's tiles are drawn as. A strip or a quantised grid on its way to its parent is a mesh.
 cache::Ground ground_of(const cache::TileStore& store, const SceneOptions& options) {
   const cache::Ground native = cache::native_ground_of(store.manifest().method);
-  return options.cut.morph && native == cache::Ground::kStrip ? cache::Ground::kMesh : native;
+  const bool still = native == cache::Ground::kStrip || native == cache::Ground::kScalar;
+  return options.cut.morph && still ? cache::Ground::kMesh : native;
 }
 
 std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::span<const PlacedTree> places,
@@ -32,19 +33,23 @@ std::vector<cache::TileCache::Source> sources(TerrainScene::Stores stores, std::
 /// Whether its tiles are lit by their patches.
 bool has_reliefs(const cache::TileStore* store) { return cache::lit_by_patches(store->manifest()); }
 
-bool has_strips(TerrainScene::Stores stores, const SceneOptions& options) {
-  return std::ranges::any_of(
-      stores, [&](const cache::TileStore* store) { return ground_of(*store, options) == cache::Ground::kStrip; });
+bool has(cache::Ground ground, TerrainScene::Stores stores, const SceneOptions& options) {
+  return std::ranges::any_of(stores,
+                             [&](const cache::TileStore* store) { return ground_of(*store, options) == ground; });
 }
 
 /// A half of the graphics memory is for pictures where there are any, a quarter where there are but the normals of
-/// strips, and a half of that for pictures in leaves; of the rest nested trees have their share.
+/// strips, a sixteenth where there are but scalar's tables, and a half of that for pictures in leaves; of the rest
+/// nested trees have their share.
 GpuBudgets budgets(TerrainScene::Stores stores, const SceneOptions& options) {
   const std::size_t gpu_bytes = options.gpu_bytes;
   const bool pictures = std::ranges::any_of(stores, [](const cache::TileStore* store) {
     return store->manifest().texture_size > 0 || store->manifest().normal_maps || has_reliefs(store);
   });
-  const std::size_t share = pictures ? gpu_bytes / 2 : has_strips(stores, options) ? gpu_bytes / 4 : 0;
+  const std::size_t share = pictures                                       ? gpu_bytes / 2
+                            : has(cache::Ground::kStrip, stores, options)  ? gpu_bytes / 4
+                            : has(cache::Ground::kScalar, stores, options) ? gpu_bytes / 16
+                                                                           : 0;
   const std::size_t rest = gpu_bytes - share;
   const auto fine = static_cast<std::size_t>(
       std::ranges::count_if(stores, [](const cache::TileStore* store) { return store->manifest().texture_depth > 0; }));
@@ -77,10 +82,15 @@ Expected<std::unique_ptr<TerrainScene>> TerrainScene::create(const GlFunctions& 
     if (!made) return tl::unexpected(made.error());
     makers.reliefs = std::move(*made);
   }
-  if (has_strips(stores, options)) {
+  if (has(cache::Ground::kStrip, stores, options)) {
     auto made = StripUnpacker::create(gl, GpuPages::kLargestPage);
     if (!made) return tl::unexpected(made.error());
     makers.strips = std::move(*made);
+  }
+  if (has(cache::Ground::kScalar, stores, options)) {
+    auto made = ScalarVertices::create(gl);
+    if (!made) return tl::unexpected(made.error());
+    makers.scalars = std::move(*made);
   }
   std::unique_ptr<FarPicture> far_picture;
   if (options.impostors) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <random>
 #include <span>
 #include <utility>
@@ -286,6 +287,90 @@ TEST(ScalarCodec, RefusesWhatIsNoGrid) {
   TileMesh flipped = mesh_of(random_tile(random));
   flipped.triangles.pop_back();
   EXPECT_FALSE(kCodec.encode(flipped).has_value());
+}
+
+/// Moved vertices, values beyond the format's, triangles turned: refused, or bytes that give the mesh back.
+TEST(ScalarCodec, EncodesNothingThatItWouldRefuseToDecode) {
+  std::mt19937 random(6);
+  int refused = 0;
+  for (int i = 0; i < 600 && !testing::Test::HasFailure(); ++i) {
+    SCOPED_TRACE("mesh " + std::to_string(i));
+    TileMesh mesh = mesh_of(i % 2 == 0 ? random_tile(random) : random_holed_tile(random));
+    if (mesh.triangles.empty()) continue;
+    GridVertex& v = mesh.vertices[random() % mesh.vertices.size()];
+    const auto near = static_cast<std::int32_t>(random() % 5) - 2;
+    const auto far = std::array{-1, kMaxHeightAddress, kMaxHeightAddress + 1, INT32_MIN, INT32_MAX}[random() % 5];
+    switch (random() % 6) {
+      case 0:
+        v.z = far;
+        break;
+      case 1:
+        v.x += near;
+        break;
+      case 2:
+        v.y += near;
+        break;
+      case 3:
+        v.x = v.y = far;
+        break;
+      case 4:
+        mesh.xy_shift += static_cast<int>(random() % 600) - 300;
+        break;
+      default:
+        mesh.z_offset = (std::int64_t{1} << (40 + random() % 23)) * (random() % 2 == 0 ? 1 : -1);
+    }
+    if (kCodec.encode(mesh)) {
+      expect_round_trip(mesh);
+    } else {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 200) << "the test has few meshes that do not fit";
+}
+
+TEST(ScalarCodec, RefusesATileWiderThanTheFormats) {
+  for (const int shift : {28, 29}) {
+    const std::int32_t across = 1 << shift;
+    ScalarTile tile;
+    tile.shape.blocks = BlockTree(across, across, across / kBlockCells);
+    for (auto& places : tile.shape.sides) places = {0, across};
+    tile.z.assign(make_scalar_grid(tile.shape)->places.size(), 7);
+    if (shift == 28) {
+      expect_round_trip(mesh_of(tile));
+    } else {
+      EXPECT_FALSE(kCodec.encode(mesh_of(tile)).has_value());
+    }
+  }
+}
+
+TEST(ScalarCodec, DecodesToTheQuantizerOfTheHeightsInside) {
+  std::mt19937 random(7);
+  int tables = 0;
+  int uniform = 0;
+  for (int i = 0; i < 200; ++i) {
+    ScalarTile tile = random_tile(random);
+    if (i % 2 == 0) {
+      for (std::size_t k = make_scalar_grid(tile.shape)->border_count; k < tile.z.size(); ++k)
+        tile.z[k] = std::array{5, 900, 30001}[random() % 3];
+    }
+    const auto back = kCodec.decode(*kCodec.encode(mesh_of(tile)));
+    ASSERT_TRUE(back.has_value());
+    std::vector<std::int32_t> heights;
+    for (const GridVertex& v : back->vertices) {
+      const ScalarShape& s = *back->scalar_shape;
+      if (v.x != 0 && v.y != 0 && v.x != s.width() && v.y != s.height()) heights.push_back(v.z);
+    }
+    ASSERT_EQ(back->height_quantizer.has_value(), !heights.empty()) << i;
+    if (heights.empty()) continue;
+    const auto& [low, step, table] = *back->height_quantizer;
+    (table.empty() ? uniform : tables) += 1;
+    EXPECT_TRUE(std::ranges::is_sorted(table));
+    for (const std::int32_t z : heights) {
+      ASSERT_TRUE(table.empty() ? z >= low && (z - low) % step == 0 : std::ranges::binary_search(table, z)) << i;
+    }
+  }
+  EXPECT_GT(tables, 20);
+  EXPECT_GT(uniform, 20);
 }
 
 TEST(ScalarCodec, FewHeightsTakeATableAndManyAStep) {
