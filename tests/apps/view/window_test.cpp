@@ -109,6 +109,26 @@ TEST_F(Window, FliesRecordsAndChangesItsSize) {
   EXPECT_NEAR(glm::distance(point(end, "eye_m"), last), 0, 1e-6);
 }
 
+// From a single pixel to more than the driver draws, where the picture keeps its size, which is said once.
+TEST_F(Window, GoesOnAtAnySize) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  const auto resize = [&](const std::string& width, const std::string& height) {
+    xdotool({"windowsize", window_, width, height, "sleep", "0.2"});
+    ASSERT_NO_FATAL_FAILURE(focus());
+  };
+  ASSERT_NO_FATAL_FAILURE(resize("1", "1"));
+  EXPECT_TRUE(wait_for([&] { return picture().size() == 3; }));
+  ASSERT_NO_FATAL_FAILURE(resize("300", "200"));
+  EXPECT_TRUE(wait_for([&] { return picture().size() == std::size_t{300} * 200 * 3; }));
+  ASSERT_NO_FATAL_FAILURE(resize("17000", "20"));
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(picture().size(), std::size_t{300} * 200 * 3);
+  type("Escape");
+  const auto r = view_->wait();
+  EXPECT_EQ(r.exit_code, 0) << r.all();
+  EXPECT_NE(r.err.find("17000x20"), std::string::npos) << r.err;
+  EXPECT_EQ(std::ranges::count(r.err, '\n'), 1) << r.err;
+}
+
 TEST_F(Window, NeedsOpenGl33) {
   std::vector<std::string> arguments = view_arguments({});
   arguments.insert(std::ranges::find(arguments, display_), "MESA_GL_VERSION_OVERRIDE=2.1");
