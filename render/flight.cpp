@@ -22,6 +22,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kLeastFov = 1 * kDegree;
 constexpr double kMostFov = 170 * kDegree;
 constexpr double kFarthest_m = 1e12;  ///< Beyond it a double has no millimetres left.
+constexpr double kLatest_s = 1e10;    ///< Beyond it a double has no microseconds left.
 
 bool sane(const glm::dvec3& p) {
   const auto near = [](double v) { return std::abs(v) <= kFarthest_m; };
@@ -125,8 +126,12 @@ Expected<Flight> Flight::create(std::vector<Keyframe> keyframes, double fov_y_ra
     if (!std::isfinite(k.seconds) || !sane(k.eye) || !sane(k.target))
       return bad(keyframe_name(i) + ": a number is infinite, or a place farther than 1e12 m");
     if (glm::distance(k.eye, k.target) < 1e-6) return bad(keyframe_name(i) + ": the eye is its target; move one");
-    if (i > 0 && !(k.seconds > keyframes[i - 1].seconds))
-      return bad(keyframe_name(i) + ": \"seconds\" wants more than the keyframe before has");
+    if (std::abs(k.seconds) > kLatest_s || k.seconds - keyframes[0].seconds > kLongest_s)
+      return bad(keyframe_name(i) +
+                 ": \"seconds\" wants at most 1e6 more than the first keyframe has, and 1e10 in all");
+    constexpr double kRounded = 0.99;
+    if (i > 0 && !(k.seconds - keyframes[i - 1].seconds >= kRounded * kLeastApart_s))
+      return bad(keyframe_name(i) + ": \"seconds\" wants more than the keyframe before has, by a millisecond or more");
   }
   Flight out;
   out.keyframes_ = std::move(keyframes);

@@ -27,9 +27,13 @@ struct Keyframe {
 class Flight {
  public:
   static constexpr double kDefaultFovRad = 0.7853981633974483;
+  static constexpr double kLeastApart_s =
+      0.001;                                 ///< Keyframes that are nearer in time would throw the camera far away.
+  static constexpr double kLongest_s = 1e6;  ///< Eleven days.
 
-  /// Fails with kBadData, naming the keyframe, unless there are two or more, their times ascend, all numbers
-  /// are finite, every target is apart from its eye and the field of view lies within 1 to 170 degrees.
+  /// Fails with kBadData, naming the keyframe, unless there are two or more, their times ascend by kLeastApart_s or
+  /// more and by kLongest_s at most together, all numbers are finite, every target is apart from its eye and the field
+  /// of view lies within 1 to 170 degrees.
   static Expected<Flight> create(std::vector<Keyframe> keyframes, double fov_y_rad = kDefaultFovRad);
   /// `where` names the text in messages. Fails with kBadData; the message says which member is wrong and what is
   /// wanted.

@@ -61,7 +61,10 @@ std::string page_path(const std::string& folder) { return folder + "/index.html"
 /// Makes the page's folder when it is not there, and refuses what could not be written after the audit.
 Expected<void> prepare_outputs(const Options& o) {
   if (!o.json.empty()) {
-    if (auto writable = tintree::app::check_output_file(o.json); !writable) return writable;
+    std::vector<std::string> inputs{o.tree};
+    inputs.insert(inputs.end(), o.dems.begin(), o.dems.end());
+    inputs.insert(inputs.end(), o.orthos.begin(), o.orthos.end());
+    if (auto writable = tintree::app::check_output_file(o.json, inputs); !writable) return writable;
   }
   if (o.report.empty()) return {};
   std::error_code ec;

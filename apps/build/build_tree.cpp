@@ -39,7 +39,9 @@ Expected<Start> check_output(const BuildOptions& options) {
   std::error_code ec;
   const std::string building = cache::TileWriter::building_path(options.output);
   for (const std::string& path : {options.output, building}) {
-    if (auto writable = check_output_file(path); !writable) return tl::unexpected(writable.error());
+    for (const auto* inputs : {&options.dems, &options.orthos}) {
+      if (auto writable = check_output_file(path, *inputs); !writable) return tl::unexpected(writable.error());
+    }
   }
   if (options.overwrite) return Start::kNew;
   // An unfinished build beside a tree was begun to overwrite it.

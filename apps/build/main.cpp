@@ -138,8 +138,9 @@ int main(int argc, char** argv) {
     using tintree::cache::NodataPolicy;
     o.nodata = nodata == "fill" ? NodataPolicy::kFill : NodataPolicy::kHole;
     if (auto sane = check(o); !sane) return sane;
-    if (!o.json.empty()) {
-      if (auto writable = tintree::app::check_output_file(o.json); !writable) return writable;
+    for (const auto* inputs : {&o.dems, &o.orthos}) {
+      if (o.json.empty()) break;
+      if (auto writable = tintree::app::check_output_file(o.json, *inputs); !writable) return writable;
     }
     if (o.plan) return plan(o);
     auto report = tintree::app::build_tree(o);

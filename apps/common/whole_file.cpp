@@ -27,9 +27,13 @@ std::string folder_of(const std::string& path) {
   return parent.empty() ? "." : parent;
 }
 
-Expected<void> check_output_file(const std::string& path) {
+Expected<void> check_output_file(const std::string& path, std::span<const std::string> inputs) {
   std::error_code ec;
   if (is_device(path)) return {};
+  for (const std::string& input : inputs) {
+    if (fs::equivalent(path, input, ec))
+      return fail(ErrorCode::kUsage, "is read and would be lost; name another file to write", path);
+  }
   if (fs::is_directory(path, ec)) return fail(ErrorCode::kIo, "is a directory; name a file", path);
   const std::string folder = folder_of(path);
   if (!fs::is_directory(folder, ec))

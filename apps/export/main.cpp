@@ -40,12 +40,9 @@ void declare(CLI::App& app, Options& o) {
 
 Expected<void> check_output(const Options& o) {
   std::error_code ec;
-  if (auto writable = tintree::app::check_output_file(o.mesh.path); !writable) return writable;
+  if (auto writable = tintree::app::check_output_file(o.mesh.path, {&o.tree, 1}); !writable) return writable;
   if (std::filesystem::exists(o.mesh.path, ec) && !o.overwrite) {
     return fail(ErrorCode::kIo, "exists; give another name, or --overwrite to replace it", o.mesh.path);
-  }
-  if (std::filesystem::equivalent(o.mesh.path, o.tree, ec)) {
-    return fail(ErrorCode::kUsage, "is the tree itself; give another name", o.mesh.path);
   }
   return {};
 }

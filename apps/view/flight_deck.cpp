@@ -25,7 +25,8 @@ void FlightDeck::note(const render::Camera& camera, double now_s) {
 
 void FlightDeck::add(const render::Camera& camera, double now_s) {
   const double at = now_s - recording_since_;
-  if (keyframes_.empty() || at > keyframes_.back().seconds) keyframes_.push_back({at, camera.eye, camera.target});
+  if (keyframes_.empty() || at >= keyframes_.back().seconds + render::Flight::kLeastApart_s)
+    keyframes_.push_back({at, camera.eye, camera.target});
 }
 
 Expected<render::Flight> FlightDeck::end_recording(const render::Camera& camera, double now_s) {

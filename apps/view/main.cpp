@@ -1,4 +1,6 @@
 #include <chrono>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -9,6 +11,7 @@
 #include "apps/view/view_options.h"
 #include "apps/view/window.h"
 #include "cache/tile_store.h"
+#include "render/flight.h"
 #include "render/gl_context.h"
 
 namespace tintree::view {
@@ -18,9 +21,17 @@ Expected<void> run(const CommandLine& line) {
   const auto begun = std::chrono::steady_clock::now();
   const auto options = read_options(line);
   if (!options) return tl::unexpected(options.error());
+  std::vector<std::string> inputs = options->trees;
+  if (!options->flight.empty()) inputs.push_back(options->flight);
   for (const std::string& output : {options->screenshot, options->json}) {
     if (output.empty()) continue;
-    if (auto writable = app::check_output_file(output); !writable) return writable;
+    if (auto writable = app::check_output_file(output, inputs); !writable) return writable;
+  }
+  std::optional<render::Flight> flight;
+  if (!options->flight.empty()) {
+    auto loaded = render::Flight::load(options->flight);
+    if (!loaded) return tl::unexpected(loaded.error());
+    flight = std::move(*loaded);
   }
   std::vector<cache::TileStore> opened;
   for (const std::string& tree : options->trees) {
@@ -30,12 +41,12 @@ Expected<void> run(const CommandLine& line) {
   }
   std::vector<const cache::TileStore*> stores;
   for (const cache::TileStore& store : opened) stores.push_back(&store);
-  if (!options->headless) return run_window(stores, *options, begun);
+  if (!options->headless) return run_window(stores, *options, std::move(flight), begun);
   const auto context = render::HeadlessContext::create(*options->headless);
   if (!context) return tl::unexpected(context.error());
   const auto gl = render::load_gl((*context)->get_function());
   if (!gl) return tl::unexpected(gl.error());
-  if (!options->flight.empty()) return play_flight(*gl, stores, *options);
+  if (flight) return play_flight(*gl, stores, *flight, *options);
   return draw_still(*gl, stores, *options, begun);
 }
 

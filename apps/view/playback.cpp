@@ -17,7 +17,6 @@
 #include "apps/common/program.h"
 #include "apps/view/picture_file.h"
 #include "apps/view/shortfalls.h"
-#include "render/flight.h"
 #include "render/terrain_scene.h"
 
 namespace tintree::view {
@@ -30,7 +29,12 @@ constexpr int kSamples = 4;
 struct Frame {
   double flight_seconds = 0;  ///< Where on the flight.
   double seconds = 0;         ///< What it took.
-  render::LodCut cut;
+  // Of its cut:
+  double max_error_px = 0;
+  std::uint32_t culled = 0;
+  std::uint32_t occluded = 0;
+  std::uint32_t wanted = 0;
+  std::uint32_t late = 0;
   render::DrawStats drawn;
   render::FrameStats stats;
 };
@@ -76,19 +80,19 @@ class Playback {
     Frame frame;
     frame.flight_seconds = seconds;
     const Clock::time_point begun = Clock::now();
-    if (options_.frames.empty()) {
-      frame.cut = scene_.update(camera, seconds);
-    } else {
-      auto cut = scene_.settle(camera);
-      if (!cut) return tl::unexpected(cut.error());
-      frame.cut = std::move(*cut);
-    }
-    frame.drawn = scene_.draw(target_, camera, frame.cut, options_.style);
+    Expected<render::LodCut> cut = options_.frames.empty() ? scene_.update(camera, seconds) : scene_.settle(camera);
+    if (!cut) return tl::unexpected(cut.error());
+    frame.drawn = scene_.draw(target_, camera, *cut, options_.style);
     gl_.Finish();
     frame.seconds = seconds_since(begun);
+    frame.max_error_px = cut->max_error_px;
+    frame.culled = cut->culled;
+    frame.occluded = cut->occluded;
+    frame.wanted = cut->wanted;
+    frame.late = cut->late;
     frame.stats = scene_.frame_stats();
     shortfalls_.note(scene_, options_);
-    frames_.push_back(std::move(frame));
+    frames_.push_back(frame);
     if (options_.frames.empty()) return {};
     return write_png(fmt::format("{}/frame-{:06}.png", options_.frames, frames_.size() - 1), target_.read_picture());
   }
@@ -118,13 +122,13 @@ nlohmann::ordered_json to_json(const Frame& f) {
       {"triangles", f.drawn.triangles},
       {"draw_calls", f.drawn.draw_calls},
       {"tiles", f.drawn.tiles},
-      {"frustum_culled", f.cut.culled},
-      {"occluded", f.cut.occluded},
+      {"frustum_culled", f.culled},
+      {"occluded", f.occluded},
       {"impostor_tiles", f.drawn.impostor_tiles},
       {"impostor_triangles", f.drawn.impostor_triangles},
-      {"max_error_px", f.cut.max_error_px},
-      {"wanted_tiles", f.cut.wanted},
-      {"late_tiles", f.cut.late},
+      {"max_error_px", f.max_error_px},
+      {"wanted_tiles", f.wanted},
+      {"late_tiles", f.late},
       {"cache_hits", f.stats.cache_hits},
       {"cache_misses", f.stats.cache_misses},
       {"bytes_read", f.stats.bytes_read},
@@ -163,16 +167,16 @@ nlohmann::ordered_json to_json(const std::vector<Frame>& frames, const render::G
       {"frame_seconds_worst", frame_seconds_quantile(frames, 1)},
       {"triangles", sum([](const Frame& f) { return f.drawn.triangles; })},
       {"draw_calls", sum([](const Frame& f) { return f.drawn.draw_calls; })},
-      {"frustum_culled", sum([](const Frame& f) { return f.cut.culled; })},
-      {"occluded", sum([](const Frame& f) { return f.cut.occluded; })},
+      {"frustum_culled", sum([](const Frame& f) { return f.culled; })},
+      {"occluded", sum([](const Frame& f) { return f.occluded; })},
       {"impostor_tiles", sum([](const Frame& f) { return f.drawn.impostor_tiles; })},
       {"impostor_triangles", sum([](const Frame& f) { return f.drawn.impostor_triangles; })},
       {"bytes_read", sum([](const Frame& f) { return f.stats.bytes_read; })},
       {"cache_hits", sum([](const Frame& f) { return f.stats.cache_hits; })},
       {"cache_misses", sum([](const Frame& f) { return f.stats.cache_misses; })},
       {"uploads", sum([](const Frame& f) { return f.stats.uploads; })},
-      {"late_tiles", sum([](const Frame& f) { return f.cut.late; })},
-      {"late_frames", sum([](const Frame& f) { return f.cut.late > 0 ? 1 : 0; })},
+      {"late_tiles", sum([](const Frame& f) { return f.late; })},
+      {"late_frames", sum([](const Frame& f) { return f.late > 0 ? 1 : 0; })},
       {"peak_rss_bytes", app::peak_rss_bytes()},
       {"frames", std::move(each)},
   };
@@ -202,15 +206,13 @@ Expected<void> make_folder(const std::string& folder) {
 }  // namespace
 
 Expected<void> play_flight(const render::GlFunctions& gl, render::TerrainScene::Stores stores,
-                           const ViewOptions& options) {
-  const auto flight = render::Flight::load(options.flight);
-  if (!flight) return tl::unexpected(flight.error());
+                           const render::Flight& flight, const ViewOptions& options) {
   if (auto made = make_folder(options.frames); !made) return made;
   const auto target = render::OffscreenTarget::create(gl, options.width_px, options.height_px, kSamples);
   if (!target) return tl::unexpected(target.error());
   const auto scene = render::TerrainScene::create(gl, stores, scene_options(options));
   if (!scene) return tl::unexpected(scene.error());
-  Playback playback(gl, **scene, *target, *flight, options);
+  Playback playback(gl, **scene, *target, flight, options);
   if (auto played = playback.run(); !played) return played;
   if (auto published = publish(playback.frames(), gl, options); !published) return published;
   return playback.outcome();

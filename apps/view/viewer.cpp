@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kSamples = 4;
 constexpr double kLongestStep_s = 0.1;
-constexpr double kRest_s = 0.25;  ///< With nothing to do it sleeps, but wakes to notice a stop.
+constexpr double kNap_s = 0.25;  ///< With nothing to do it sleeps, but wakes to notice a stop.
 constexpr double kDegree = std::numbers::pi / 180;
 
 NavigationLimits limits_of(render::Trees trees) {
@@ -68,13 +68,13 @@ Expected<void> Viewer::run() {
     if (app::stop_requested()) return fail(ErrorCode::kStopped, "stopped");
     const auto drawable = fit_target();
     if (!drawable) return tl::unexpected(drawable.error());
-    if (stale_ && *drawable) {
+    const double before = now_s_;
+    if ((stale_ || moving_) && *drawable) {
       glfwPollEvents();
+      now_s_ = glfwGetTime();
     } else {
-      drawn_at_s_.clear();
-      glfwWaitEventsTimeout(kRest_s);
+      nap();
     }
-    const double before = std::exchange(now_s_, glfwGetTime());
     advance(std::min(now_s_ - before, kLongestStep_s));
     if (!*drawable) continue;
     if (stale_) draw_scene();
@@ -83,33 +83,44 @@ Expected<void> Viewer::run() {
   return {};
 }
 
+void Viewer::nap() {
+  constexpr double kRest_s = 0.2;  // Whoever drags the mouse moves it more often.
+  const double begun_s = glfwGetTime();
+  glfwWaitEventsTimeout(kNap_s);
+  now_s_ = glfwGetTime();
+  if (now_s_ - begun_s < kRest_s) return;
+  frame_rate_.rest();
+  if (std::exchange(readings_.frames_per_second, 0) > 0) text_stale_ = true;
+}
+
 void Viewer::advance(double seconds) {
   drop_old_notices();
-  turn_sun(seconds);
+  moving_ = turn_sun(seconds);
   const Motion motion{axis(Action::kAhead, Action::kBack), axis(Action::kRight, Action::kLeft),
                       axis(Action::kUp, Action::kDown)};
   if (motion.ahead != 0 || motion.right != 0 || motion.up != 0) flights_.stop();
   const render::Camera& seen = pilot_.camera();
   if (const auto view = flights_.view(now_s_, seen.width_px, seen.height_px)) {
     pilot_.take(*view);
-    stale_ = true;
+    moving_ = true;
   } else if (pilot_.advance(seconds, motion, held(Action::kFaster))) {
-    stale_ = true;
+    moving_ = true;
   }
+  stale_ = stale_ || moving_;
   if (flights_.recording()) {
     flights_.note(pilot_.camera(), now_s_);
     text_stale_ = true;
   }
 }
 
-void Viewer::turn_sun(double seconds) {
+bool Viewer::turn_sun(double seconds) {
   constexpr double kTurn = 60 * kDegree;
   const double east = axis(Action::kSunEast, Action::kSunWest) * seconds * kTurn;
   const double up = axis(Action::kSunUp, Action::kSunDown) * seconds * kTurn / 2;
-  if (east == 0 && up == 0) return;
+  if (east == 0 && up == 0) return false;
   style_.sun_azimuth_rad = std::remainder(style_.sun_azimuth_rad + east, 2 * std::numbers::pi);
   style_.sun_elevation_rad = std::clamp(style_.sun_elevation_rad + up, kDegree, 90 * kDegree);
-  stale_ = true;
+  return true;
 }
 
 GroundSense Viewer::sense_ground() {
@@ -140,8 +151,15 @@ Expected<bool> Viewer::fit_target() {
   const bool hidden = glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
   if (hidden || width <= 0 || height <= 0) return false;
   if (target_ && target_->width_px() == width && target_->height_px() == height) return true;
+  if (glm::ivec2(width, height) == refused_px_) return true;
   auto target = render::OffscreenTarget::create(tools_.gl, width, height, kSamples);
-  if (!target) return tl::unexpected(target.error());
+  if (!target) {
+    if (!target_) return tl::unexpected(target.error());
+    // In a window larger than the driver can draw, the picture stays as large as it was.
+    refused_px_ = {width, height};
+    report(target.error());
+    return true;
+  }
   target_.reset();
   target_.emplace(std::move(*target));
   pilot_.resize(width, height);
@@ -169,12 +187,10 @@ void Viewer::draw_scene() {
   text_stale_ = true;
   ++frames_;
 
-  drawn_at_s_.push_back(begun_s);
-  if (drawn_at_s_.size() > 30) drawn_at_s_.pop_front();
-  const double span_s = begun_s - drawn_at_s_.front();
+  frame_rate_.note_frame(begun_s);
   const render::FrameStats& stats = scene.frame_stats();
   readings_ = {.frame_seconds = glfwGetTime() - begun_s,
-               .frames_per_second = span_s > 0 ? static_cast<double>(drawn_at_s_.size() - 1) / span_s : 0,
+               .frames_per_second = frame_rate_.per_second(),
                .triangles = drawn.triangles,
                .tiles = drawn.tiles,
                .culled = cut.culled,

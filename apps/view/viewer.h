@@ -8,6 +8,7 @@
 
 #include "apps/view/controls.h"
 #include "apps/view/flight_deck.h"
+#include "apps/view/frame_rate.h"
 #include "apps/view/hud.h"
 #include "apps/view/pilot.h"
 #include "apps/view/view_options.h"
@@ -70,7 +71,10 @@ class Viewer {
   glm::dvec2 cursor_px() const { return cursor_ * scale(); }
 
   void advance(double seconds);
-  void turn_sun(double seconds);
+  /// Sleeps until something happens, or for a moment.
+  void nap();
+  /// Whether it was asked to.
+  bool turn_sun(double seconds);
   /// Keeps the frame as large as the window's. False while there is nothing to draw into.
   Expected<bool> fit_target();
   void draw_scene();
@@ -103,8 +107,9 @@ class Viewer {
   std::optional<render::Camera> frozen_;  ///< Whose tiles are drawn.
 
   std::optional<render::OffscreenTarget> target_;
+  glm::ivec2 refused_px_{0, 0};  ///< A size of the window that the driver makes no frame of.
   Readings readings_;
-  std::deque<double> drawn_at_s_;  ///< The last frames drawn without a rest.
+  FrameRate frame_rate_;
   std::deque<Notice> notices_;
   glm::dvec2 cursor_{0, 0};  ///< Screen units.
   bool dragging_ = false;
@@ -114,6 +119,7 @@ class Viewer {
   std::uint64_t frames_ = 0;
   std::uint64_t tile_errors_ = 0;
   bool told_of_memory_ = false;
+  bool moving_ = false;     ///< By itself: the next frame differs from this one, whatever the user does.
   bool stale_ = true;       ///< The scene has to be drawn again.
   bool text_stale_ = true;  ///< The text over it has.
 };

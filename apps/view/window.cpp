@@ -1,7 +1,6 @@
 #include "apps/view/window.h"
 
 #include <filesystem>
-#include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -10,7 +9,6 @@
 #include "apps/view/glfw_window.h"
 #include "apps/view/still.h"
 #include "apps/view/viewer.h"
-#include "render/flight.h"
 #include "render/terrain_scene.h"
 
 namespace tintree::view {
@@ -57,13 +55,8 @@ Expected<void> show(GlfwWindow& window, const render::GlFunctions& gl, render::T
 
 }  // namespace
 
-Expected<void> run_window(render::TerrainScene::Stores stores, const ViewOptions& options, Clock::time_point begun) {
-  std::optional<render::Flight> flight;
-  if (!options.flight.empty()) {
-    auto loaded = render::Flight::load(options.flight);
-    if (!loaded) return tl::unexpected(loaded.error());
-    flight = std::move(*loaded);
-  }
+Expected<void> run_window(render::TerrainScene::Stores stores, const ViewOptions& options,
+                          std::optional<render::Flight> flight, Clock::time_point begun) {
   const bool still = !options.screenshot.empty();
   const std::string title = std::filesystem::path(options.trees.front()).filename().string() + " - tintree";
   const auto window = GlfwWindow::create(options.width_px, options.height_px, title, !still);

@@ -239,8 +239,13 @@ TEST_F(ViewProgram, SaysWhatIsWrongWithTheFlight) {
   expect_failure(view(base), 4, "flight.json");
   test::write_file(flight, "nonsense");
   expect_failure(view(base), 3, "flight.json");
+  // Before the tree is looked at.
+  expect_failure(view({dir_.file("none.tintree"), "--headless", "osmesa", "--flight", flight}), 3, "flight.json");
   test::write_file(flight, R"({"keyframes": [{"seconds": 1e999}]})");
   expect_failure(view(base), 3, "number");
+  test::write_file(flight, R"({"keyframes": [{"seconds": -1e308, "eye_m": [0, 0, 9], "target_m": [1, 1, 0]},
+                                             {"seconds": 1e308, "eye_m": [0, 0, 9], "target_m": [1, 1, 0]}]})");
+  expect_failure(view(base), 3, "seconds");
   test::write_file(flight, kFlight);
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), base.begin(), base.end());
@@ -268,6 +273,18 @@ TEST_F(ViewProgram, SaysWhenThePictureCannotBeWritten) {
   const std::string none = dir_.file("none.tintree");
   expect_failure(view({none, "--headless", "osmesa", "--screenshot", png}), 4, png);
   expect_failure(view({none, "--headless", "osmesa", "--json", dir_.path()}), 4, dir_.path());
+}
+
+TEST_F(ViewProgram, NeverWritesOverWhatItReads) {
+  const std::string flight = dir_.file("flight.json");
+  test::write_file(flight, kFlight);
+  const std::string whole = test::read_file(tree_);
+  const std::string alias = dir_.file("./small.tintree");
+  for (const char* option : {"--json", "--screenshot"})
+    expect_failure(view({tree_, "--headless", "osmesa", option, alias}), 2, alias);
+  expect_failure(view({tree_, "--headless", "osmesa", "--flight", flight, "--json", flight}), 2, "flight.json");
+  EXPECT_EQ(test::read_file(tree_), whole);
+  EXPECT_EQ(test::read_file(flight), kFlight);
 }
 
 }  // namespace

@@ -74,6 +74,21 @@ TEST(Flight, ComesBackFromItsOwnJson) {
   EXPECT_NEAR(again->fov_y_rad(), f.fov_y_rad(), 1e-12);
 }
 
+// However unevenly its keyframes lie, the camera stays where numbers have a meaning.
+TEST(Flight, StaysInBounds) {
+  const double far = 1e12;
+  const double apart = Flight::kLeastApart_s;
+  const Flight f = flight({{0, {-far, far, far}, {0, 0, 0}},
+                           {apart, {far, -far, -far}, {0, 0, 0}},
+                           {Flight::kLongest_s, {-far, far, far}, {0, 0, 0}}});
+  for (double t = 0; t <= 1; t += 0.01) {
+    const glm::dvec3 eye = f.at(t * Flight::kLongest_s, 8, 8).eye;
+    EXPECT_LE(glm::length(eye), 1e23);
+  }
+  EXPECT_TRUE(Flight::create({{1e9, {0, 0, 1}, {1, 1, 0}}, {1e9 + apart, {0, 0, 1}, {1, 1, 0}}}))
+      << "a clock's seconds";
+}
+
 TEST(Flight, SaysWhatIsWrong) {
   const std::string a = R"({"seconds": 0, "eye_m": [0, 0, 1], "target_m": [1, 1, 0]})";
   const auto two = [&](const std::string& b) { return R"({"keyframes": [)" + a + "," + b + "]}"; };
@@ -89,6 +104,12 @@ TEST(Flight, SaysWhatIsWrong) {
            {R"({"fov_y_deg": 0, "keyframes": [)" + a + "," + a + "]}", "fov_y_deg"},
            {two("3"), "keyframe 2"},
            {two(a), "keyframe 2: \"seconds\""},
+           {two(R"({"seconds": -1, "eye_m": [0, 0, 1], "target_m": [1, 1, 0]})"), "keyframe 2: \"seconds\""},
+           {two(R"({"seconds": 1e-300, "eye_m": [0, 0, 1], "target_m": [1, 1, 0]})"), "millisecond"},
+           {two(R"({"seconds": 1e15, "eye_m": [0, 0, 1], "target_m": [1, 1, 0]})"), "keyframe 2: \"seconds\""},
+           {two(R"({"seconds": 1e308, "eye_m": [0, 0, 1], "target_m": [1, 1, 0]})"), "keyframe 2: \"seconds\""},
+           {R"({"keyframes": [{"seconds": -1e308, "eye_m": [0, 0, 1], "target_m": [1, 1, 0]}, )" + a + "]}",
+            "keyframe 1"},
            {two(R"({"seconds": "x", "eye_m": [0, 0, 1], "target_m": [1, 1, 0]})"), "keyframe 2: \"seconds\""},
            {two(R"({"seconds": 1, "eye_m": [0, 0], "target_m": [1, 1, 0]})"), "eye_m"},
            {two(R"({"seconds": 1, "eye_m": [0, 0, null], "target_m": [1, 1, 0]})"), "eye_m"},
