@@ -269,7 +269,7 @@ TEST_F(WaveletSceneTest, ReliefsKeepWithinTheGraphicsMemory) {
     auto reconstructor = PatchReconstructor::create(gl_);
     ASSERT_TRUE(reconstructor);
     GpuTilePool pool(gl_, {.mesh_bytes = std::size_t{4} << 20, .picture_bytes = pictures},
-                     {std::move(*reconstructor), nullptr});
+                     {std::move(*reconstructor), nullptr, nullptr});
     cache::TileCache cache(store, {});
     std::vector<cache::TileRef> all;
     for (const cache::TileNode& node : store.bounds().nodes()) all.push_back({node.id, 0});
