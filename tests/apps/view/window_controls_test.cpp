@@ -133,6 +133,13 @@ TEST_F(WindowControls, TheMouseMovesTheGroundAndTurnsTheHead) {
 
 TEST_F(WindowControls, ThePixelErrorAndTheSunChangeThePicture) {
   ASSERT_NO_FATAL_FAILURE(open());
+  // By its levels' colours, what is drawn at 16 pixels is what a new window at 16 draws, and not what one at 1 does.
+  type("2");
+  for (int i = 0; i < 8; ++i) type("plus");
+  const Pixels coarse = still({"--show", "levels", "--pixel-error", "16"});
+  ASSERT_GT(difference(coarse, still({"--show", "levels"})), 5);
+  EXPECT_TRUE(wait_for([&] { return difference(picture(), coarse) < 0.5; }));
+
   const Pixels lit = picture();
   for (const auto& [key, back] : std::vector<std::pair<std::string, std::string>>{{"l", "j"}, {"i", "k"}}) {
     hold(key, 0.4);
@@ -141,12 +148,6 @@ TEST_F(WindowControls, ThePixelErrorAndTheSunChangeThePicture) {
     hold(back, 1.2);
     EXPECT_GT(difference(picture(), turned), 1) << back;
   }
-  // By its levels' colours, what is drawn at 16 pixels is what a new window at 16 draws, and not what one at 1 does.
-  type("2");
-  for (int i = 0; i < 8; ++i) type("plus");
-  const Pixels coarse = still({"--show", "levels", "--pixel-error", "16"});
-  ASSERT_GT(difference(coarse, still({"--show", "levels"})), 5);
-  EXPECT_TRUE(wait_for([&] { return difference(picture(), coarse) < 5; }));
   close();
 }
 
@@ -172,9 +173,10 @@ TEST_F(WindowControls, ShowsFiguresThePlaceAndFrozenTiles) {
   type("6");
   hold("s", 0.3);
   hold("e", 0.3);
-  EXPECT_GT(pyramid(picture()), 100);
+  const int lines = pyramid(picture());
+  EXPECT_GT(lines, 100);
   type("6");
-  EXPECT_LT(pyramid(picture()), 10);
+  EXPECT_LT(pyramid(picture()), lines / 4);
   close();
 }
 
@@ -190,16 +192,16 @@ TEST_F(WindowControls, AFlightIsDrawnWithoutRests) {
 TEST_F(WindowControls, AFlightIsStoppedAndPlayedAgain) {
   ASSERT_NO_FATAL_FAILURE(open_with_flight(600));
   type("p");
-  const glm::dvec3 stopped = where().eye;
-  EXPECT_LT(stopped.y, kFlightsEnd.y);
-  EXPECT_GT(stopped.y, kEye.y);
-  EXPECT_EQ(where().eye, stopped);
+  const Pixels stopped = picture();
+  EXPECT_EQ(picture(), stopped);
   type("p");
-  picture();
+  const Pixels begun = picture();
+  EXPECT_TRUE(wait_for([&] { return picture() != begun; }));
   type("p");
-  const glm::dvec3 again = where().eye;
-  EXPECT_NE(again, stopped);
-  EXPECT_EQ(where().eye, again);
+  const glm::dvec3 eye = where().eye;
+  EXPECT_EQ(where().eye, eye);
+  EXPECT_LT(eye.y, kFlightsEnd.y);
+  EXPECT_GT(eye.y, kEye.y);
   close();
 }
 
