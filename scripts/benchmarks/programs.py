@@ -36,9 +36,9 @@ def cpu_name():
 
 
 def shown(part):
-    """A command's part as one would type it in the repository."""
+    """A command's part as one would type it in the repository; data may lie beside it."""
     path = Path(part)
-    return str(path.relative_to(ROOT)) if path.is_absolute() and path.is_relative_to(ROOT) else str(part)
+    return os.path.relpath(path, ROOT) if path.is_absolute() and path.is_relative_to(ROOT.parent) else str(part)
 
 
 class _PeakWatch(threading.Thread):
