@@ -10,7 +10,8 @@ namespace {
 // Largest errors of a star (docs/performance.md, What was tried).
 constexpr int kShareParts = 16;           ///< Shares of the bound are counted in these.
 constexpr int kWhole = kShareParts;       ///< What a star has to keep in the end.
-constexpr int kRelaxed = kWhole * 5 / 4;  ///< Collapses further beyond the bound are not tried.
+constexpr int kRelaxed = kWhole * 3 / 2;  ///< Collapses further beyond the bound are not tried.
+constexpr int kWorthIt = kWhole * 9 / 8;  ///< Neighbours are moved only where the merged vertex comes so near alone.
 constexpr int kEnough = kWhole * 7 / 8;   ///< Neighbours are not moved to fit better than this.
 
 double as_double(int share) { return static_cast<double>(share) / kShareParts; }
@@ -94,6 +95,7 @@ bool CollapseRepair::search(const Ring& ring, LatticeVertex& merged) {
   int share = kRelaxed;
   lower(merged, ring, share, kWhole);
   place_merged();
+  if (share > kWorthIt) return false;
   if (share > kWhole) {
     for (const std::int32_t neighbour : ring.spokes) {
       if (mesh_->kinds[static_cast<std::size_t>(neighbour)] != VertexKind::kFree) continue;

@@ -12,6 +12,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPassThresholds[] = {1e-3, 0.256, 65.536, kInfinity};
 /// The last pass is repeated until fewer than one in this many live vertices collapse.
 constexpr std::int64_t kSettled = 100;
+/// Sweeps that repair; in all but the first, what changed in the one before is tried again.
+constexpr int kRepairSweeps = 2;
 /// Mean squared distance of the planes from the merged vertex, in squared bounds, beyond which hardly any collapse
 /// keeps the bound (docs/performance.md).
 constexpr double kHopeless = 2;
@@ -53,7 +55,7 @@ void EdgeCollapse::run(HalfEdgeMesh& mesh, SurfaceDistance& distance, const Coll
   }
   if (spec.effort == Effort::kBest) {
     std::ranges::fill(failed_cost_, -1);
-    sweep(kInfinity, true);
+    for (int i = 0; i < kRepairSweeps; ++i) sweep(kInfinity, true);
   }
 }
 

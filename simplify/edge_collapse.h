@@ -25,7 +25,7 @@ struct CollapseStep {
 /// collapse is checked against the reference surface at every vertex of the overlay and carried out or
 /// dropped; the check yields the interval of heights that the kept vertex may take. Instead of a queue the
 /// vertices are swept in memory order under a cost threshold that grows from pass to pass, and what failed
-/// is not tried again until its surroundings change. With the best effort a last sweep also tries to make room for
+/// is not tried again until its surroundings change. With the best effort the last sweeps also try to make room for
 /// collapses that break the bound by a little.
 ///
 /// Vertices keep to the lattice, triangles keep their orientation, outlines their shape. Deterministic.
