@@ -16,10 +16,10 @@
 
 namespace tintree::render {
 
-/// The impostor of a view's far ground: colours and depths as a picture (render/impostor.h), shown from wherever the eye
-/// is by now. While one is shown the next is drawn, a few tiles a frame, so that it is there before the one does not
-/// hold any more and no frame has to draw all of it. The two take 16 bytes a texel, 6.25 texels a pixel of the view,
-/// out of the memory of the pool. Lives and dies while its context is current; not thread-safe.
+/// The impostor of a view's far ground: colours and depths as a picture (render/impostor.h), shown from wherever the
+/// eye is by now. While one is shown the next is drawn, a few tiles a frame, so that it is there before the one does
+/// not hold any more and no frame has to draw all of it. The two take 16 bytes a texel, 6.25 texels a pixel of the
+/// view, out of the memory of the pool. Lives and dies while its context is current; not thread-safe.
 class FarPicture {
  public:
   /// `gl` must outlive it. Fails with kIo when the driver refuses a shader.
@@ -62,9 +62,9 @@ class FarPicture {
   struct Begun {
     Picture picture;
     CutOptions options;
-    double beyond_m = 0;   ///< Ground nearer than that is left out.
-    LodCut cut;            ///< What is on it, once that is complete.
-    int frames_left = 0;   ///< Over which the rest is drawn; 0 before the first.
+    double beyond_m = 0;    ///< Ground nearer than that is left out.
+    LodCut cut;             ///< What is on it, once that is complete.
+    int frames_left = 0;    ///< Over which the rest is drawn; 0 before the first.
     std::size_t drawn = 0;  ///< Tiles of the cut that have been.
   };
 

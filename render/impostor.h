@@ -27,8 +27,8 @@ constexpr int kTexelsPerPx = 2;
 constexpr double kMargin = 1.25;
 /// Frames at the camera's present speed for which a picture has to hold, from where it was begun.
 constexpr int kFrames = 24;
-/// A picture is drawn over a half of the frames for which it will hold, but over no more than kMostDrawing; one that would
-/// be drawn over fewer than kLeastDrawing is not worth its while.
+/// A picture is drawn over a half of the frames for which it will hold, but over no more than kMostDrawing; one that
+/// would be drawn over fewer than kLeastDrawing is not worth its while.
 constexpr int kLeastDrawing = 4;
 constexpr int kMostDrawing = 16;
 }  // namespace impostor

@@ -16,8 +16,8 @@ Expected<StripDrawer> StripDrawer::create(const GlFunctions& gl) {
 
 StripDrawer::StripDrawer(const GlFunctions& gl, ShaderProgram program) : gl_(&gl), program_(std::move(program)) {}
 
-void StripDrawer::draw(const Camera& camera, Trees trees, std::span<const DrawTile> draws, GpuTilePool& pool, const Style& style,
-                       DrawStats& stats) const {
+void StripDrawer::draw(const Camera& camera, Trees trees, std::span<const DrawTile> draws, GpuTilePool& pool,
+                       const Style& style, DrawStats& stats) const {
   for (const DrawTile& d : draws) {
     const cache::TileNode& node = trees[d.tree]->nodes()[d.node];
     const GpuTile* tile = pool.use({node.id, d.tree});

@@ -118,7 +118,8 @@ TEST_F(FarPictureTest, IsDrawnBitByBit) {
   ASSERT_NE(first, shown.end());
   EXPECT_LE(first - shown.begin(), kFirst);
   EXPECT_TRUE(std::all_of(first, shown.end(), [](bool s) { return s; })) << "the next was late";
-  const std::uint64_t whole = std::accumulate(parts.begin(), parts.begin() + (first - shown.begin()) + 1, std::uint64_t{0});
+  const std::uint64_t whole =
+      std::accumulate(parts.begin(), parts.begin() + (first - shown.begin()) + 1, std::uint64_t{0});
   const std::uint64_t all = std::accumulate(parts.begin(), parts.end(), std::uint64_t{0});
   EXPECT_GT(all, 2 * whole) << "one lasted for all of the flight";
   EXPECT_LT(all, whole * parts.size() / impostor::kLeastDrawing / 2);
