@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -16,7 +17,10 @@ constexpr double kSkirtPx = 4;
 
 const std::vector<cache::TileRef> kNothing;
 
-constexpr std::size_t kTexelBytes = 8;  ///< RGBA8, and a depth as a float.
+/// What is allowed for the ground on a picture.
+double pixel_error_of(const CutOptions& options) {
+  return options.pixel_error - impostor::kParallaxPx - impostor::kResamplePx;
+}
 
 /// Whether ground drawn with one style can stand beside ground drawn with the other.
 bool alike(const Style& a, const Style& b) {
@@ -32,128 +36,139 @@ Expected<std::unique_ptr<FarPicture>> FarPicture::create(const GlFunctions& gl) 
   return std::unique_ptr<FarPicture>(new FarPicture(gl, std::move(*program)));
 }
 
-FarPicture::FarPicture(const GlFunctions& gl, ShaderProgram program) : gl_(&gl), program_(std::move(program)) {
+FarPicture::FarPicture(const GlFunctions& gl, ShaderProgram program)
+    : gl_(&gl), program_(std::move(program)), buffers_{ImpostorBuffer(gl), ImpostorBuffer(gl)} {
   gl_->GenVertexArrays(1, &no_vertices_);
-  gl_->GenFramebuffers(1, &framebuffer_);
-  gl_->GenTextures(1, &colors_);
-  gl_->GenTextures(1, &depths_);
 }
 
-FarPicture::~FarPicture() {
-  gl_->DeleteVertexArrays(1, &no_vertices_);
-  gl_->DeleteFramebuffers(1, &framebuffer_);
-  gl_->DeleteTextures(1, &colors_);
-  gl_->DeleteTextures(1, &depths_);
+FarPicture::~FarPicture() { gl_->DeleteVertexArrays(1, &no_vertices_); }
+
+std::size_t FarPicture::bytes() const { return buffers_[0].bytes() + buffers_[1].bytes(); }
+
+/// Where pictures do not last, a turning view or a rising speed, there is a rest before the next.
+void FarPicture::rest() {
+  rest_ = 2 * impostor::kFrames;
+  begun_.reset();
 }
 
-void FarPicture::forget() {
-  // Where pictures do not last, a turning view or a rising speed, there is a rest before the next.
-  rest_ = held_ < impostor::kFrames / 2 ? 2 * impostor::kFrames : 0;
-  held_ = 0;
-  made_.reset();
-  tiles_.clear();
+void FarPicture::move_to(const Camera& camera) {
+  before_ = std::exchange(any_before_, true) ? now_ : camera;
+  now_ = camera;
+  if (!moved()) return;
+  step_m_ = std::max(glm::length(now_.eye - before_.eye), 0.5 * step_m_);
+  rest_ = std::max(rest_ - 1, 0);
 }
 
-std::size_t FarPicture::bytes() const {
-  return kTexelBytes * static_cast<std::size_t>(width_px_) * static_cast<std::size_t>(height_px_);
+bool FarPicture::moved() const { return now_.eye != before_.eye || now_.target != before_.target; }
+
+/// Whether it is time to begin with the next picture. A view that stands still needs none.
+bool FarPicture::wants_next(Trees trees, const CutOptions& options) const {
+  if (!moved() || rest_ > 0 || pixel_error_of(options) <= 0 || options.morph) return false;
+  constexpr int kInTime = impostor::kMostDrawing + 2;
+  if (shown_ && impostor_frames(shown_->view, before_, now_, kInTime) == kInTime) return false;
+  const double beyond_m = impostor_distance_m(step_m_, now_);
+  return std::ranges::any_of(trees, [&](const cache::TileBounds* tree) {
+    return !tree->nodes().empty() && farthest_m(tree->box(tree->nodes().front()), now_.eye) >= beyond_m;
+  });
 }
 
-bool FarPicture::fit(const Camera& picture, GpuTilePool& pool) {
-  if (width_px_ == picture.width_px && height_px_ == picture.height_px) return true;
-  const auto texels = static_cast<std::size_t>(picture.width_px) * static_cast<std::size_t>(picture.height_px);
-  return pool.set_aside(kTexelBytes * texels) && allocate(picture.width_px, picture.height_px);
+/// False where there is no room for it.
+bool FarPicture::begin(GpuTilePool& pool, const CutOptions& options) {
+  begun_.emplace();
+  begun_->options = options;
+  begun_->beyond_m = std::max(impostor_distance_m(step_m_, now_), 1e-3);
+  const Camera from = impostor_camera(now_);
+  begun_->picture.view.camera = from;
+  const std::size_t bytes = ImpostorBuffer::bytes_of(from.width_px, from.height_px);
+  return pool.set_aside(buffers_[shown_buffer_].bytes() + bytes) &&
+         buffers_[1 - shown_buffer_].resize(from.width_px, from.height_px);
 }
 
-bool FarPicture::allocate(int width_px, int height_px) {
-  gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  const auto allocate = [&](GLuint texture, GLint internal, GLenum format, GLenum type, GLint filter, GLenum point) {
-    gl_->BindTexture(GL_TEXTURE_2D, texture);
-    gl_->TexImage2D(GL_TEXTURE_2D, 0, internal, width_px, height_px, 0, format, type, nullptr);
-    for (const GLenum name : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-      gl_->TexParameteri(GL_TEXTURE_2D, name, filter);
-    for (const GLenum name : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-      gl_->TexParameteri(GL_TEXTURE_2D, name, GL_CLAMP_TO_EDGE);
-    gl_->FramebufferTexture2D(GL_FRAMEBUFFER, point, GL_TEXTURE_2D, texture, 0);
-  };
-  while (gl_->GetError() != GL_NO_ERROR) {
-  }
-  gl_->ActiveTexture(GL_TEXTURE0);
-  allocate(colors_, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, GL_LINEAR, GL_COLOR_ATTACHMENT0);
-  allocate(depths_, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_NEAREST, GL_DEPTH_ATTACHMENT);
-  gl_->BindTexture(GL_TEXTURE_2D, 0);
-  const bool whole =
-      gl_->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE && gl_->GetError() == GL_NO_ERROR;
-  width_px_ = whole ? width_px : 0;
-  height_px_ = whole ? height_px : 0;
-  return whole;
+/// With all tiles there the cut is the same in every frame: then it is drawn.
+void FarPicture::choose_cut(Trees trees, const ChooseCut& choose) {
+  ImpostorView& view = begun_->picture.view;
+  CutOptions finer = begun_->options;
+  finer.pixel_error = pixel_error_of(finer) * impostor::kTexelsPerPx;
+  finer.texel_px *= impostor::kTexelsPerPx;
+  LodCut& cut = begun_->cut;
+  cut = choose(view.camera, finer, begun_->beyond_m);
+  view.nearest_m = std::numeric_limits<double>::infinity();
+  view.farthest_m = 0;
+  std::erase_if(cut.draws, [&](const DrawTile& d) {
+    const cache::Box box = trees[d.tree]->box(trees[d.tree]->nodes()[d.node]);
+    const double near_by_m = nearest_m(box, view.camera.eye);
+    if (near_by_m < begun_->beyond_m) return true;
+    view.nearest_m = std::min(view.nearest_m, near_by_m);
+    view.farthest_m = std::max(view.farthest_m, farthest_m(box, view.camera.eye));
+    return false;
+  });
 }
 
 std::optional<std::vector<cache::TileRef>> FarPicture::plan(const Camera& camera, Trees trees, GpuTilePool& pool,
                                                             const CutOptions& options, const ChooseCut& choose) {
-  const bool moved = last_ && (camera.eye != last_->eye || camera.target != last_->target);
-  // A view that stands still needs no picture, unless one has been begun.
-  if (!moved && !wanted_) {
-    last_ = camera;
-    return kNothing;
+  move_to(camera);
+  if (shown_ && !impostor_holds(shown_->view, now_)) shown_.reset();
+  if (begun_ && begun_->frames_left > 0 && !impostor_holds(begun_->picture.view, now_)) rest();
+  if (begun_ && begun_->options != options) begun_.reset();
+  if (!begun_) {
+    if (!wants_next(trees, options)) return kNothing;
+    if (!begin(pool, options)) return std::nullopt;
   }
-  if (moved) step_m_ = std::max(glm::length(camera.eye - last_->eye), 0.5 * step_m_);
-  last_ = camera;
-  if (made_ && !impostor_holds(*made_, camera)) forget();
-  if (made_ && moved) ++held_;
-  if (moved) rest_ = std::max(rest_ - 1, 0);
-  wanted_.reset();
-  const double left_px = options.pixel_error - impostor::kParallaxPx - impostor::kResamplePx;
-  const double begin_m = std::max(impostor_distance_m(step_m_, camera), 1e-3);
-  const bool far_enough = std::ranges::any_of(trees, [&](const cache::TileBounds* tree) {
-    return !tree->nodes().empty() && farthest_m(tree->box(tree->nodes().front()), camera.eye) >= begin_m;
-  });
-  if (made_ || rest_ > 0 || left_px <= 0 || options.morph || !far_enough) return kNothing;
-  next_ = {impostor_camera(camera), std::numeric_limits<double>::infinity(), 0};
-  if (!fit(next_.camera, pool)) return std::nullopt;
-  CutOptions finer = options;
-  finer.pixel_error = left_px * impostor::kTexelsPerPx;
-  finer.texel_px = options.texel_px * impostor::kTexelsPerPx;
-  wanted_ = choose(next_.camera, finer, begin_m);
-  std::erase_if(wanted_->draws, [&](const DrawTile& d) {
-    const cache::Box box = trees[d.tree]->box(trees[d.tree]->nodes()[d.node]);
-    const double near_by_m = nearest_m(box, camera.eye);
-    if (near_by_m < begin_m) return true;
-    next_.nearest_m = std::min(next_.nearest_m, near_by_m);
-    next_.farthest_m = std::max(next_.farthest_m, farthest_m(box, camera.eye));
-    return false;
-  });
-  if (!wanted_->draws.empty() || !wanted_->complete) return wanted_->requests;
-  wanted_.reset();
+  choose_cut(trees, choose);
+  if (!begun_->cut.complete) {
+    begun_->frames_left = 0;
+    return begun_->cut.requests;
+  }
+  if (begun_->cut.draws.empty() || !impostor_holds(begun_->picture.view, now_)) begun_.reset();
   return kNothing;
+}
+
+/// Over a half of the frames for which the picture will hold; not at all where those are few.
+void FarPicture::start_drawing(const Style& style, double haze_begin_m) {
+  Picture& picture = begun_->picture;
+  const int holds = impostor_frames(picture.view, before_, now_, 2 * impostor::kMostDrawing);
+  if (holds < 2 * impostor::kLeastDrawing) return rest();
+  begun_->frames_left = holds / 2;
+  begun_->drawn = 0;
+  picture.style = style;
+  picture.haze_begin_m = haze_begin_m;
+  buffers_[1 - shown_buffer_].clear();
 }
 
 DrawStats FarPicture::refresh(const Renderer& renderer, Trees trees, GpuTilePool& pool, const Style& style,
                               double haze_begin_m) {
-  if (made_ && !alike(style, style_)) forget();
-  if (!wanted_ || !wanted_->complete || style.wireframe) return {};
-  if (style.tint != Tint::kHeight) return {};
-  LodCut cut = std::move(*wanted_);
-  wanted_.reset();
+  if (shown_ && !alike(style, shown_->style)) shown_.reset();
+  if (!begun_ || !begun_->cut.complete || style.wireframe || style.tint != Tint::kHeight) return {};
+  buffers_[1 - shown_buffer_].bind();
+  if (begun_->frames_left == 0 || !alike(style, begun_->picture.style)) {
+    start_drawing(style, haze_begin_m);
+    if (!begun_) return {};
+  }
+  LodCut& cut = begun_->cut;
   cut.max_error_px = kSkirtPx * impostor::kTexelsPerPx;
-  cut.nearest_m = haze_begin_m;
-  gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  gl_->Viewport(0, 0, width_px_, height_px_);
-  gl_->DepthMask(GL_TRUE);
-  gl_->ClearColor(0, 0, 0, 0);
-  gl_->ClearDepth(0);
-  gl_->Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  const DrawStats drawn = renderer.draw_ground(next_.camera, trees, cut, pool, style);
-  made_ = next_;
-  made_near_m_ = renderer.near_m(cut);
-  style_ = style;
-  for (const DrawTile& d : cut.draws) tiles_.insert({trees[d.tree]->nodes()[d.node].id, d.tree});
+  cut.nearest_m = begun_->picture.haze_begin_m;
+  begun_->picture.near_m = renderer.near_m(cut);
+  const std::span<const DrawTile> rest = std::span<const DrawTile>(cut.draws).subspan(begun_->drawn);
+  const auto frames = static_cast<std::size_t>(begun_->frames_left);
+  const std::size_t part = (rest.size() + frames - 1) / frames;
+  const DrawStats drawn = renderer.draw_ground(begun_->picture.view.camera, trees, cut, rest.first(part), pool, style);
+  begun_->drawn += part;
+  --begun_->frames_left;
+  if (begun_->drawn == cut.draws.size()) show_begun(trees);
   return drawn;
 }
 
+void FarPicture::show_begun(Trees trees) {
+  shown_ = std::move(begun_->picture);
+  for (const DrawTile& d : begun_->cut.draws) shown_->tiles.insert({trees[d.tree]->nodes()[d.node].id, d.tree});
+  shown_buffer_ = 1 - shown_buffer_;
+  begun_.reset();
+}
+
 std::uint32_t FarPicture::take_from(LodCut& cut, Trees trees, const Camera& camera) const {
-  if (!made_ || !impostor_holds(*made_, camera)) return 0;
+  if (!shown_ || !impostor_holds(shown_->view, camera)) return 0;
   return static_cast<std::uint32_t>(
-      std::erase_if(cut.draws, [&](const DrawTile& d) { return covered(tiles_, trees, d.tree, d.node); }));
+      std::erase_if(cut.draws, [&](const DrawTile& d) { return covered(shown_->tiles, trees, d.tree, d.node); }));
 }
 
 void FarPicture::draw(const Camera& camera, double near_m) const {
@@ -164,25 +179,23 @@ void FarPicture::draw(const Camera& camera, double near_m) const {
     gl_->Uniform1f(program_.uniform(name), static_cast<float>(v));
   };
   const CameraAxes axes = camera.axes();
-  const CameraAxes then = made_->camera.axes();
+  const ImpostorView& made = shown_->view;
+  const CameraAxes then = made.camera.axes();
   program_.use();
   set("right", axes.right * camera.tan_half_x());
   set("up", axes.up * camera.tan_half_y());
   set("forward", axes.forward);
   set("view", axes.forward);
-  set("moved", camera.eye - made_->camera.eye);
-  set("picture_right", then.right / made_->camera.tan_half_x());
-  set("picture_up", then.up / made_->camera.tan_half_y());
+  set("moved", camera.eye - made.camera.eye);
+  set("picture_right", then.right / made.camera.tan_half_x());
+  set("picture_up", then.up / made.camera.tan_half_y());
   set("picture_forward", then.forward);
-  set_number("radius", made_->radius_m());
-  set_number("picture_near", made_near_m_);
+  set_number("radius", made.radius_m());
+  set_number("picture_near", shown_->near_m);
   set_number("near", near_m);
   gl_->Uniform1i(program_.uniform("colors"), 0);
   gl_->Uniform1i(program_.uniform("depths"), 1);
-  gl_->ActiveTexture(GL_TEXTURE1);
-  gl_->BindTexture(GL_TEXTURE_2D, depths_);
-  gl_->ActiveTexture(GL_TEXTURE0);
-  gl_->BindTexture(GL_TEXTURE_2D, colors_);
+  buffers_[shown_buffer_].bind_textures();
   gl_->Enable(GL_DEPTH_TEST);
   gl_->DepthFunc(GL_GREATER);
   gl_->Enable(GL_BLEND);

@@ -76,6 +76,22 @@ bool impostor_holds(const ImpostorView& made, const Camera& now) {
   return true;
 }
 
+int impostor_frames(const ImpostorView& made, const Camera& before, const Camera& now, int most) {
+  const auto holds = [&](int frames) {
+    Camera then = now;
+    then.eye += static_cast<double>(frames) * (now.eye - before.eye);
+    then.target += static_cast<double>(frames) * (now.target - before.target);
+    return impostor_holds(made, then);
+  };
+  // It holds at `held` and does not at `lost`.
+  int held = -1, lost = most + 1;
+  while (lost - held > 1) {
+    const int middle = held + (lost - held) / 2;
+    (holds(middle) ? held : lost) = middle;
+  }
+  return std::max(held, 0);
+}
+
 double nearest_m(const cache::Box& box, const glm::dvec3& from) {
   glm::dvec3 away(0);
   for (int i = 0; i < 3; ++i) {

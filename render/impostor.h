@@ -25,8 +25,12 @@ constexpr double kResamplePx = 0.25;
 constexpr int kTexelsPerPx = 2;
 /// The picture shows this much more than the view, along each axis, so that the view may turn.
 constexpr double kMargin = 1.25;
-/// Frames at the camera's present speed for which a picture has to hold.
-constexpr int kFrames = 16;
+/// Frames at the camera's present speed for which a picture has to hold, from where it was begun.
+constexpr int kFrames = 24;
+/// A picture is drawn over a half of the frames for which it will hold, but over no more than kMostDrawing; one that
+/// would be drawn over fewer than kLeastDrawing is not worth its while.
+constexpr int kLeastDrawing = 4;
+constexpr int kMostDrawing = 16;
 }  // namespace impostor
 
 /// Where a picture was drawn from, and what it shows.
@@ -53,6 +57,10 @@ double impostor_parallax_px(const ImpostorView& made, const Camera& now);
 /// Whether the picture may stand in for its ground in this view: within kParallaxPx, and all of the view on it, with
 /// kTexelsPerPx.
 bool impostor_holds(const ImpostorView& made, const Camera& now);
+
+/// For how many more frames a picture holds, at most `most`, if the camera goes on from `now` as it came there from
+/// `before` within a frame: eye and target each along a straight line.
+int impostor_frames(const ImpostorView& made, const Camera& before, const Camera& now, int most);
 
 /// The shortest distance from a point to a box, and the longest; metres.
 double nearest_m(const cache::Box& box, const glm::dvec3& from);

@@ -22,6 +22,8 @@ struct CutOptions {
   /// What tiles are drawn off their own meshes, and so off their boxes and occluders: vertically by no more than so
   /// many pixels measure across the view at their distance (render/nested_lod.h).
   double off_px = 0;
+
+  bool operator==(const CutOptions&) const = default;
 };
 
 /// A square in a leaf, of a grid with `1 << depth` squares a side, that has a finer texture of its own.

@@ -142,15 +142,17 @@ void NestedDrawer::draw_side(const std::vector<StitchVertex>& vertices) const {
   gl_->DrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(all.size()));
 }
 
-void NestedDrawer::draw(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool, const Style& style,
-                        DrawStats& stats) const {
+void NestedDrawer::draw(const Camera& camera, Trees trees, const LodCut& cut, std::span<const DrawTile> part,
+                        GpuTilePool& pool, const Style& style, DrawStats& stats) const {
   const std::vector<Placed> tiles = place(trees, cut, pool);
   if (tiles.empty()) return;
   gl_->Enable(GL_PRIMITIVE_RESTART);
   gl_->PrimitiveRestartIndex(codec::NestedFans::kRestart);
+  const auto in_part = [&](const Placed& t) { return t.draw >= part.data() && t.draw < part.data() + part.size(); };
   Neighbours drawn;
   for (const Placed& t : tiles) {
     drawn[{t.id, t.draw->tree}] = &t;
+    if (!in_part(t)) continue;
     set_tile(camera, trees, cut, t, 0);
     set_look(trees, pool, style, t);
     pool.nested().send(*t.tile->chunk, *t.shape, t.draw->nested_level);
@@ -163,7 +165,9 @@ void NestedDrawer::draw(const Camera& camera, Trees trees, const LodCut& cut, Gp
   if (!style.skirts) return;
   gl_->BindVertexArray(stitch_array_);
   gl_->BindBuffer(GL_ARRAY_BUFFER, stitch_buffer_);
-  for (const Placed& t : tiles) draw_sides(camera, trees, cut, pool, style, t, drawn);
+  for (const Placed& t : tiles) {
+    if (in_part(t)) draw_sides(camera, trees, cut, pool, style, t, drawn);
+  }
 }
 
 /// Every side is stitched once: by the smaller of the two tiles, and between equal ones by the eastern or southern.

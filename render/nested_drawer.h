@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -33,9 +34,10 @@ class NestedDrawer {
   /// For what is the same for all tiles of a picture.
   const ShaderProgram& program() const { return program_; }
 
-  /// Draws the tiles of the cut that have nested levels, with what program() has been told.
-  void draw(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool, const Style& style,
-            DrawStats& stats) const;
+  /// Draws those tiles of a part of the cut that have nested levels, and what joins them to their neighbours in all of
+  /// it, with what program() has been told.
+  void draw(const Camera& camera, Trees trees, const LodCut& cut, std::span<const DrawTile> part, GpuTilePool& pool,
+            const Style& style, DrawStats& stats) const;
 
  private:
   struct Placed {

@@ -150,39 +150,44 @@ DrawStats Renderer::draw(const OffscreenTarget& target, const Camera& camera, Tr
 
 DrawStats Renderer::draw_ground(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool,
                                 const Style& style) const {
+  return draw_ground(camera, trees, cut, cut.draws, pool, style);
+}
+
+DrawStats Renderer::draw_ground(const Camera& camera, Trees trees, const LodCut& cut, std::span<const DrawTile> part,
+                                GpuTilePool& pool, const Style& style) const {
   if (gl_->ClipControl != nullptr) gl_->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   DrawStats stats;
-  if (cut.draws.empty()) return stats;
+  if (part.empty()) return stats;
   gl_->Enable(GL_DEPTH_TEST);
   gl_->DepthFunc(GL_GREATER);
   if (style.wireframe) gl_->PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
   pool.fine_textures().prepare(trees, cut);
   begin(terrain_, camera, trees, cut, style);
-  draw_meshes(camera, trees, cut, pool, style, stats);
+  draw_meshes(camera, trees, part, pool, style, stats);
   if (pool.nested().reserved_bytes() > 0) {
     begin(nested_.program(), camera, trees, cut, style);
-    nested_.draw(camera, trees, cut, pool, style, stats);
+    nested_.draw(camera, trees, cut, part, pool, style, stats);
   }
   if (pool.has_strips()) {
     begin(strips_.program(), camera, trees, cut, style);
-    strips_.draw(camera, trees, cut, pool, style, stats);
+    strips_.draw(camera, trees, part, pool, style, stats);
   }
   if (pool.has_scalars()) {
     begin(scalars_.program(), camera, trees, cut, style);
-    scalars_.draw(camera, trees, cut, pool, style, stats);
+    scalars_.draw(camera, trees, part, pool, style, stats);
   }
   gl_->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   gl_->BindVertexArray(0);
   return stats;
 }
 
-void Renderer::draw_meshes(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool, const Style& style,
-                           DrawStats& stats) const {
+void Renderer::draw_meshes(const Camera& camera, Trees trees, std::span<const DrawTile> draws, GpuTilePool& pool,
+                           const Style& style, DrawStats& stats) const {
   const GLint address_to_eye = terrain_.uniform("address_to_eye");
   const GLint tile_share = terrain_.uniform("tile_share");
   const GLint morph = terrain_.uniform("morph");
   GLuint bound = 0;
-  for (const DrawTile& d : cut.draws) {
+  for (const DrawTile& d : draws) {
     const cache::TileNode& node = trees[d.tree]->nodes()[d.node];
     const GpuTile* tile = pool.use({node.id, d.tree});
     if (tile == nullptr || !tile->is_mesh()) continue;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "cache/tile_bounds.h"
 #include "codec/error.h"
 #include "render/camera.h"
@@ -35,6 +37,9 @@ class Renderer {
   /// Draws into what is bound. Tiles of the cut that the pool lacks are left out.
   DrawStats draw_ground(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool,
                         const Style& style) const;
+  /// The same of a part of the cut, a piece of its `draws`. All parts, one after the other, make the same picture.
+  DrawStats draw_ground(const Camera& camera, Trees trees, const LodCut& cut, std::span<const DrawTile> part,
+                        GpuTilePool& pool, const Style& style) const;
 
   /// The depth that draw() gives the nearest plane, metres: depth = near_m / OffscreenTarget::read_depth().
   double near_m(const LodCut& cut) const;
@@ -49,8 +54,8 @@ class Renderer {
   /// Uses a program of the ground and tells it what is the same for all tiles.
   void begin(const ShaderProgram& program, const Camera& camera, Trees trees, const LodCut& cut,
              const Style& style) const;
-  void draw_meshes(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool, const Style& style,
-                   DrawStats& stats) const;
+  void draw_meshes(const Camera& camera, Trees trees, std::span<const DrawTile> draws, GpuTilePool& pool,
+                   const Style& style, DrawStats& stats) const;
 
   const GlFunctions* gl_;
   ShaderProgram terrain_;

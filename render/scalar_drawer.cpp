@@ -22,9 +22,9 @@ Expected<ScalarDrawer> ScalarDrawer::create(const GlFunctions& gl) {
 
 ScalarDrawer::ScalarDrawer(const GlFunctions& gl, ShaderProgram program) : gl_(&gl), program_(std::move(program)) {}
 
-void ScalarDrawer::draw(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool, const Style& style,
-                        DrawStats& stats) const {
-  for (const DrawTile& d : cut.draws) {
+void ScalarDrawer::draw(const Camera& camera, Trees trees, std::span<const DrawTile> draws, GpuTilePool& pool,
+                        const Style& style, DrawStats& stats) const {
+  for (const DrawTile& d : draws) {
     const cache::TileNode& node = trees[d.tree]->nodes()[d.node];
     const GpuTile* tile = pool.use({node.id, d.tree});
     if (tile == nullptr || !tile->quantizer) continue;

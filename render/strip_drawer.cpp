@@ -16,9 +16,9 @@ Expected<StripDrawer> StripDrawer::create(const GlFunctions& gl) {
 
 StripDrawer::StripDrawer(const GlFunctions& gl, ShaderProgram program) : gl_(&gl), program_(std::move(program)) {}
 
-void StripDrawer::draw(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool, const Style& style,
-                       DrawStats& stats) const {
-  for (const DrawTile& d : cut.draws) {
+void StripDrawer::draw(const Camera& camera, Trees trees, std::span<const DrawTile> draws, GpuTilePool& pool,
+                       const Style& style, DrawStats& stats) const {
+  for (const DrawTile& d : draws) {
     const cache::TileNode& node = trees[d.tree]->nodes()[d.node];
     const GpuTile* tile = pool.use({node.id, d.tree});
     if (tile == nullptr || tile->strip.vertex_array == 0) continue;

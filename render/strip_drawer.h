@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "codec/error.h"
 #include "render/camera.h"
 #include "render/gl_functions.h"
@@ -22,7 +24,7 @@ class StripDrawer {
   const ShaderProgram& program() const { return program_; }
 
   /// Draws the tiles of the cut that are strips, with what program() has been told.
-  void draw(const Camera& camera, Trees trees, const LodCut& cut, GpuTilePool& pool, const Style& style,
+  void draw(const Camera& camera, Trees trees, std::span<const DrawTile> draws, GpuTilePool& pool, const Style& style,
             DrawStats& stats) const;
 
  private:

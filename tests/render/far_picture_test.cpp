@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,8 @@ namespace {
 constexpr int kWidth = 240;
 constexpr int kHeight = 160;
 constexpr int kFrames = 20;
+/// The first picture of a slow flight is drawn over so many frames, after the one from which it moves.
+constexpr int kFirst = impostor::kMostDrawing + 1;
 
 class FarPictureTest : public OsMesaTest {
  protected:
@@ -77,26 +80,50 @@ TEST_F(FarPictureTest, ThePictureIsTheSameWithinAPixelAndWithoutCracks) {
         std::tuple(glm::dvec3(900, -700, 700), glm::dvec3(1300, -1500, 0), glm::dvec3(-0.02, 0.04, 0))}) {
     const auto with = scene(true);
     const auto without = scene(false);
-    int replaced = 0, made = 0, strange = 0;
+    int replaced = 0, strange = 0;
     std::uint64_t drawn = 0, drawn_without = 0;
-    for (int i = 0; i < kFrames; ++i) {
+    for (int i = -kFirst; i < kFrames; ++i) {
       const glm::dvec3 moved = static_cast<double>(i) * step;
       const glm::dvec3 turned(0, 30 * std::sin(0.1 * i), 0);
       const Camera c = camera(eye + moved, target + moved + turned);
       const Shot a = shoot(*with, c);
       const Shot b = shoot(*without, c);
+      if (i < 0) continue;
       replaced += a.drawn.impostor_tiles > 0 ? 1 : 0;
-      made += a.drawn.impostor_triangles > 0 ? 1 : 0;
       drawn += a.drawn.triangles;
       drawn_without += b.drawn.triangles;
       // Other levels of detail are lit a little otherwise.
       strange += test::count_strange(a.picture, b.picture, 24);
     }
-    EXPECT_GE(replaced, kFrames - 2);
-    EXPECT_LE(made, 3);
+    EXPECT_EQ(replaced, kFrames);
     EXPECT_LT(drawn, drawn_without * 3 / 4);
     EXPECT_LT(strange, kFrames * kWidth * kHeight / 2000) << "of a thousand pixels half a one";
   }
+}
+
+// Of a flight so long that several are drawn: none all at once, none in vain, and each there when it is wanted.
+TEST_F(FarPictureTest, IsDrawnBitByBit) {
+  const auto with = scene(true);
+  const auto target = OffscreenTarget::create(gl_, kWidth, kHeight, 1);
+  std::vector<std::uint64_t> parts;
+  std::vector<bool> shown;
+  for (int i = 0; i < 8 * impostor::kFrames; ++i) {
+    const glm::dvec3 moved = static_cast<double>(i) * glm::dvec3(0.04, -0.03, 0.01);
+    const Camera c = camera(glm::dvec3(200, -300, 160) + moved, glm::dvec3(2000, -1900, -100) + moved);
+    const DrawStats drawn = with->draw(*target, c, *with->settle(c), {});
+    parts.push_back(drawn.impostor_triangles);
+    shown.push_back(drawn.impostor_tiles > 0);
+  }
+  const auto first = std::ranges::find(shown, true);
+  ASSERT_NE(first, shown.end());
+  EXPECT_LE(first - shown.begin(), kFirst);
+  EXPECT_TRUE(std::all_of(first, shown.end(), [](bool s) { return s; })) << "the next was late";
+  const std::uint64_t whole =
+      std::accumulate(parts.begin(), parts.begin() + (first - shown.begin()) + 1, std::uint64_t{0});
+  const std::uint64_t all = std::accumulate(parts.begin(), parts.end(), std::uint64_t{0});
+  EXPECT_GT(all, 2 * whole) << "one lasted for all of the flight";
+  EXPECT_LT(all, whole * parts.size() / impostor::kLeastDrawing / 2);
+  EXPECT_LT(std::ranges::max(parts), whole / impostor::kLeastDrawing);
 }
 
 // Where it shows ground, outlines before the sky too, its depth is one that the ground has there, give or take a pixel.
@@ -107,14 +134,18 @@ TEST_F(FarPictureTest, HasTheDepthOfTheGround) {
   const auto depths_m = [&](TerrainScene& scene, const Camera& c) {
     const auto cut = scene.settle(c);
     const DrawStats drawn = scene.draw(*target, c, *cut, {});
-    EXPECT_EQ(drawn.impostor_tiles > 0, &scene == with.get() && c.eye.z > 160);
+    EXPECT_EQ(drawn.impostor_tiles > 0, &scene == with.get());
     std::vector<double> out;
     for (const float d : target->read_depths()) out.push_back(d > 0 ? scene.renderer().near_m(*cut) / double{d} : 0);
     return out;
   };
   int outline = 0, amiss = 0;
-  for (int frame = 0; frame < 4; ++frame) {
-    const Camera c = camera({200, -300, 160 + 0.01 * frame}, {2000, -1900, -100});
+  for (int frame = 0; frame < kFirst + 4; ++frame) {
+    const Camera c = camera({200, -300, 160 + 0.01 * (frame - kFirst + 1)}, {2000, -1900, -100});
+    if (frame < kFirst) {
+      with->draw(*target, c, *with->settle(c), {});
+      continue;
+    }
     const auto seen = depths_m(*with, c);
     const auto plain = depths_m(*without, c);
     for (int y = 2; y < kHeight - 2; ++y) {
@@ -147,14 +178,14 @@ TEST_F(FarPictureTest, GivesWayWhereMemoryIsShort) {
     const auto with = scene(true, budget);
     const auto without = scene(false, budget);
     bool replaced = false;
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < kFirst + 3; ++i) {
       const Camera c = camera({200, -300 - 0.01 * i, 160}, {2000, -1900, -100});
       const Shot shot = shoot(*with, c);
       const Shot plain = shoot(*without, c);
       replaced = shot.drawn.impostor_tiles > 0;
       const std::size_t picture = with->frame_stats().gpu_bytes - with->pool().bytes();
       if (replaced) {
-        EXPECT_EQ(picture, kPictureBytes);
+        EXPECT_TRUE(picture == kPictureBytes || picture == 2 * kPictureBytes) << picture << ": it, or the next one too";
       } else if (!without->frame_stats().gpu_memory_full) {
         EXPECT_EQ(test::count_strange(shot.picture, plain.picture, 0), 0) << budget;
       }
@@ -179,7 +210,7 @@ TEST_F(FarPictureTest, AFastFlightGoesWithoutOne) {
 
 TEST_F(FarPictureTest, ChangesWithTheSun) {
   const auto with = scene(true);
-  shoot(*with, camera({200, -300.01, 160}, {2000, -1900, -100}));
+  for (int i = -kFirst; i < 0; ++i) shoot(*with, camera({200, -300 + 0.01 * i, 160}, {2000, -1900, -100}));
   const Camera c = camera({200, -300, 160}, {2000, -1900, -100});
   const Shot before = shoot(*with, c);
   EXPECT_GT(before.drawn.impostor_tiles, 0U);

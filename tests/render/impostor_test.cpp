@@ -1,5 +1,7 @@
 #include "render/impostor.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -120,6 +122,35 @@ TEST(Impostor, HoldsForTheFramesThatItsDistanceIsChosenFor) {
     larger.height_px *= 2;
     EXPECT_FALSE(impostor_holds(made, larger)) << "its texels are too wide for a larger window";
   }
+}
+
+// Flown and turned frame by frame.
+TEST(Impostor, FramesAreThoseForWhichItHolds) {
+  std::mt19937 random(13);
+  std::uniform_real_distribution<double> in(0, 1);
+  constexpr int kMost = 32;
+  std::array<int, kMost + 1> seen{};
+  for (int i = 0; i < 2000; ++i) {
+    const Camera view = random_camera(random);
+    const ImpostorView made{impostor_camera(view), 5000, 50000};
+    Camera before = view;
+    const glm::dvec3 step = 3 * std::pow(in(random), 2) * random_direction(random);
+    const glm::dvec3 turn = step + 0.03 * std::pow(in(random), 2) * random_direction(random);
+    Camera now = before;
+    now.eye += step;
+    now.target += turn;
+    int frames = 0;
+    for (Camera then = now; frames <= kMost && impostor_holds(made, then); ++frames) {
+      then.eye += step;
+      then.target += turn;
+    }
+    const int expected = std::max(frames - 1, 0);
+    EXPECT_NEAR(impostor_frames(made, before, now, kMost), expected, 1) << i;
+    ++seen[static_cast<std::size_t>(expected)];
+  }
+  EXPECT_GT(seen[0], 0);
+  EXPECT_GT(seen[kMost / 2], 0);
+  EXPECT_GT(seen[kMost], 0);
 }
 
 TEST(Impostor, DistancesToABoxAreThoseOfItsPoints) {
