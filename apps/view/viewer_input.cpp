@@ -84,9 +84,11 @@ void Viewer::on_button(int button, bool pressed, bool shift) {
   }
   flights_.stop();
   const glm::dvec2 at = cursor_px();
-  const bool twice = now_s_ - pressed_at_s_ < kDoubleClick_s && glm::distance(cursor_, pressed_at_) < kDoubleClickApart;
+  const bool twice = button == pressed_ && now_s_ - pressed_at_s_ < kDoubleClick_s &&
+                     glm::distance(cursor_, pressed_at_) < kDoubleClickApart;
   pressed_at_s_ = twice ? -1 : now_s_;
   pressed_at_ = cursor_;
+  pressed_ = button;
   if (twice && action_of(Input::kDoubleClick, button, shift) == Action::kGoThere) {
     pilot_.go_there(at.x, at.y);
     return;
