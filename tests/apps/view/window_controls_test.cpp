@@ -126,9 +126,6 @@ TEST_F(WindowControls, TheMouseMovesTheGroundAndTurnsTheHead) {
   xdotool({"click", "3", "click", "1"});
   EXPECT_EQ(where().eye, kEye);
   EXPECT_EQ(where().target, kTarget);
-  xdotool({"click", "1", "click", "1"});
-  EXPECT_TRUE(wait_for([&] { return glm::distance(where().eye, there) < 0.5 * glm::distance(kEye, there); }));
-  ASSERT_NO_FATAL_FAILURE(go_home("r"));
   // Away from what is under the cursor, which stays there.
   const glm::dvec3 middle = ground_in(where(), 330, 210);
   xdotool({"click", "5"});
