@@ -10,6 +10,7 @@
 
 #include "cache/drawable_tile.h"
 #include "cache/nested_borders.h"
+#include "cache/nested_own_levels.h"
 #include "cache/nested_shape_packing.h"
 #include "codec/nested_points.h"
 #include "codec/sparse_grid.h"
@@ -65,7 +66,7 @@ class ShapeMaker {
     const auto split = [this](std::int32_t a, std::int32_t b, std::int32_t) { return middle(a, b); };
     for (const auto& [a, b] : codec::kSquareSides)
       codec::bisect(a, b, codec::NestedPoints::kBasePoints - 1, split, [](auto...) {});
-    if (parent_ == nullptr) choose_own_levels();
+    if (parent_ == nullptr) choose_own_levels(points_, bound_steps_, error_steps_);
     codec::GridFrame frame = frame_;
     frame.xy_shift = shift_;
     NestedShape shape = pack_nested_shape(std::move(points_), frame, side_, bound_steps_);
@@ -205,29 +206,6 @@ class ShapeMaker {
     const std::int32_t y = point(a).y + point(b).y;
     const std::int32_t found = ((x | y) & 1) != 0 ? kNone : find_or_add(x / 2, y / 2, a, b);
     return found == kNone ? std::nullopt : std::optional(found);
-  }
-
-  /// Without a parent: for each level the coarsest of the payload's own that is sure to keep its bound.
-  void choose_own_levels() {
-    Heights error_steps{};
-    for (const Point& p : points_) {
-      for (std::size_t k = 0; k <= kFinest && !p.gap; ++k)
-        error_steps[k] = std::max(error_steps[k], std::abs(p.z[k] - p.z[kFinest]) + error_steps_);
-    }
-    std::array<std::size_t, NestedShape::kLevels> chosen{};
-    chosen[kFinest] = kFinest;
-    for (std::size_t k = kFinest; k-- > 0;) {
-      const double allowed_steps = std::ldexp(bound_steps_, static_cast<int>(kFinest - k));
-      chosen[k] = chosen[k + 1];
-      while (chosen[k] > 0 && error_steps[chosen[k] - 1] <= allowed_steps) --chosen[k];
-    }
-    for (Point& p : points_) {
-      const Heights z = p.z;
-      for (std::size_t k = 0; k <= kFinest; ++k) p.z[k] = z[chosen[k]];
-      const auto first = std::ranges::lower_bound(chosen, static_cast<std::size_t>(p.level));
-      p.level = static_cast<int>(first - chosen.begin());
-    }
-    for (std::size_t i = 0; i < codec::NestedPoints::kBasePoints; ++i) points_[i].level = 0;
   }
 
   const codec::TileMesh& mesh_;

@@ -22,7 +22,7 @@ std::unique_ptr<DrawableTile> make_drawable_strip(const codec::TreeLayout& layou
                                                   std::vector<std::byte> packed, const codec::TileMesh& mesh,
                                                   std::uint16_t joined_sides) {
   const auto strip = codec::open_strip(packed);
-  if (!strip || strip->levels > codec::kShortLevels || !codec::StripWords(*strip).fit()) return nullptr;
+  if (!strip || !codec::unpacks_on_card(*strip)) return nullptr;
   const int step_shift = mesh.xy_shift - strip->fine;
   const TileOutline outline = tile_outline(layout, id, step_shift, joined_sides);
   const auto border = [&](SkirtSide side, std::int64_t at) {

@@ -42,7 +42,7 @@ struct DrawableTile;
 
 /// Of a payload of either version that has been decoded to `mesh`: a tile without vertices and indices of its own,
 /// whose frame takes a word's x, y and height times 2^z_shift to metres. `joined_sides` as make_drawable() takes them.
-/// Null for a tile whose vertices do not fit into words of 32 bits. Cost: the occluder's.
+/// Null for a tile that no card unpacks (codec::unpacks_on_card()). Cost: the occluder's.
 std::unique_ptr<DrawableTile> make_drawable_strip(const codec::TreeLayout& layout, const codec::TileId& id,
                                                   std::vector<std::byte> packed, const codec::TileMesh& mesh,
                                                   std::uint16_t joined_sides);

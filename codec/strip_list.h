@@ -20,7 +20,7 @@ struct StripWords {
   /// The uppermost bit of a vertex at the foot of a skirt.
   static constexpr std::uint32_t kFoot = std::uint32_t{1} << 31;
 
-  explicit StripWords(const StripPayload& p) : xy_bits(p.levels + 1), height_bits(p.height_bits) {}
+  explicit StripWords(const StripHead& p) : xy_bits(p.levels + 1), height_bits(p.height_bits) {}
   /// Whether vertices fit into words. Where they do not (tall and fine tiles) decode() is what there is.
   bool fit() const { return 2 * xy_bits + height_bits < 32; }
   std::uint32_t pack(std::int32_t x, std::int32_t y, std::uint32_t height) const {
@@ -30,6 +30,10 @@ struct StripWords {
   std::uint32_t y(std::uint32_t word) const { return x(word >> xy_bits); }
   std::uint32_t height(std::uint32_t word) const { return (word & ~kFoot) >> 2 * xy_bits; }
 };
+
+/// Whether a graphics card unpacks such a strip: headers of 32 bits, vertices that fit into words. Others are drawn as
+/// meshes.
+inline bool unpacks_on_card(const StripHead& head) { return head.levels <= kShortLevels && StripWords(head).fit(); }
 
 /// Follows the strip from its first triangle. `words` has room for 3 a triangle and fit() holds; a triangle with a
 /// missing corner becomes three zeros. The payload is one that StripMesh::decode() has accepted; another gives a wrong

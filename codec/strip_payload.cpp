@@ -71,6 +71,11 @@ Expected<StripHead> take_strip_head(std::span<const std::byte>& bytes, std::byte
   return p;
 }
 
+Expected<StripHead> read_strip_head(std::span<const std::byte> bytes) {
+  const bool coded = !bytes.empty() && bytes.front() == kStripCoded;
+  return take_strip_head(bytes, coded ? kStripCoded : kStripPacked);
+}
+
 Expected<StripPayload> open_strip(std::span<const std::byte> bytes) {
   const auto head = take_strip_head(bytes, kStripPacked);
   if (!head) return tl::unexpected(head.error());

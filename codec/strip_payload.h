@@ -96,6 +96,9 @@ void put_strip_head(std::vector<std::byte>& out, std::byte version, const StripH
 /// Reads a head of the version and drops it from `bytes`.
 Expected<StripHead> take_strip_head(std::span<const std::byte>& bytes, std::byte version);
 
+/// The head of a payload of either version.
+Expected<StripHead> read_strip_head(std::span<const std::byte> bytes);
+
 /// Takes a payload of version 1 apart, whose bytes must outlive the result.
 Expected<StripPayload> open_strip(std::span<const std::byte> bytes);
 

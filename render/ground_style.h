@@ -28,7 +28,8 @@ struct Style {
   /// scene's size.
   double fog_m = 0;
   bool wireframe = false;
-  bool skirts = true;  ///< Off only to see the gaps that they fill.
+  bool skirts = true;    ///< Off only to see the gaps that they fill.
+  bool stitches = true;  ///< Between nested tiles; off only to see the gaps that they fill.
 };
 
 /// What a frame drew.

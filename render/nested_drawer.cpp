@@ -162,7 +162,7 @@ void NestedDrawer::draw(const Camera& camera, Trees trees, const LodCut& cut, st
     stats.triangles += t.shape->fans.level_triangles[static_cast<std::size_t>(t.draw->nested_level)];
   }
   gl_->Disable(GL_PRIMITIVE_RESTART);
-  if (!style.skirts) return;
+  if (!style.skirts && !style.stitches) return;
   gl_->BindVertexArray(stitch_array_);
   gl_->BindBuffer(GL_ARRAY_BUFFER, stitch_buffer_);
   for (const Placed& t : tiles) {
@@ -187,9 +187,10 @@ void NestedDrawer::draw_sides(const Camera& camera, Trees trees, const LodCut& c
       at = drawn.find({next, tile.draw->tree});
     }
     if (at == drawn.end()) {
-      draw_side(skirt(tile, side));
+      if (style.skirts) draw_side(skirt(tile, side));
       continue;
     }
+    if (!style.stitches) continue;
     const Placed& other = *at->second;
     set_tile(camera, trees, cut, other, 1);
     const codec::GridFrame& from = other.shape->frame;

@@ -84,7 +84,7 @@ Expected<StripDecoder> StripDecoder::create(const GlFunctions& gl, std::optional
 
 Expected<void> StripDecoder::decode(const codec::StripPayload& payload, const codec::StripBorders& borders,
                                     const StripRange& out) const {
-  if (payload.levels > codec::kShortLevels || !codec::StripWords(payload).fit())
+  if (!codec::unpacks_on_card(payload))
     return fail(ErrorCode::kBadData, "the tile's vertices do not fit into words of 32 bits");
   const GlFunctions& gl = *gl_;
   const TexelBuffer headers(gl, payload.headers, 0);

@@ -217,7 +217,7 @@ Expected<void> measure_tiles(const ReferenceSurface& surface, const cache::Manif
                               error.max_m, bound),
                   "tile " + tile->info.id.text());
     }
-    levels[static_cast<std::size_t>(level)].add(*tile);
+    levels[static_cast<std::size_t>(level)].add(*tile, manifest.method);
     totals[static_cast<std::size_t>(level)] += error;
   }
   for (std::size_t l = 0; l < levels.size(); ++l) {

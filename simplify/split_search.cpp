@@ -6,36 +6,13 @@
 #include <limits>
 
 #include "codec/split_hierarchy.h"
+#include "simplify/line_samples.h"
+#include "simplify/nested_flags.h"
+#include "simplify/square_samples.h"
 #include "simplify/surface_distance.h"
 
 namespace tintree::simplify {
 namespace {
-
-/// The flags of nested meshes, coarsest first: what a mesh splits, the finer ones do too.
-class NestedFlags {
- public:
-  NestedFlags(std::int64_t cells, int meshes) {
-    for (int i = 0; i < meshes; ++i) flags_.emplace_back(cells);
-  }
-
-  /// The coarsest mesh that splits at a point; their number where none does.
-  std::size_t first(std::int64_t x, std::int64_t y) const {
-    std::size_t mesh = flags_.size();
-    while (mesh > 0 && flags_[mesh - 1].get(x, y)) --mesh;
-    return mesh;
-  }
-  bool all(std::int64_t x, std::int64_t y) const { return flags_.front().get(x, y); }
-  /// Splits in this mesh and the finer ones; true when it had not been split there.
-  bool set(std::size_t mesh, std::int64_t x, std::int64_t y) {
-    std::size_t i = mesh;
-    while (i < flags_.size() && flags_[i].set(x, y)) ++i;
-    return i > mesh;
-  }
-  std::vector<SplitFlags> take() { return std::move(flags_); }
-
- private:
-  std::vector<SplitFlags> flags_;
-};
 
 /// Searches for several nested meshes at once. A triangle that fits the bound of one fits those of all coarser ones: so
 /// the finest mesh's search is the whole search, and only what it splits is tested again, against the next bound,
@@ -76,7 +53,7 @@ class SplitSearch {
   }
 
  private:
-  static constexpr std::int64_t kBase = kPatchCells[0];
+  static constexpr std::int64_t kBase = SquareSamples::kCells;
   static constexpr double kUnknown = std::numeric_limits<double>::infinity();
   /// The error where there is no surface.
   static constexpr double kNothing = -kUnknown;
@@ -173,7 +150,7 @@ class SplitSearch {
   Halves search(std::int64_t x0, std::int64_t y0, std::int64_t side) {
     const double slab = slab_error(x0, y0, side);
     if (slab <= bounds_m_.back()) return {slab, slab};
-    if (side == kBase && load_square(x0, y0)) return search_loaded(x0, y0);
+    if (side == kBase && loaded_.read(*view_, column0_ + x0, row0_ + y0, level_.heights)) return search_loaded(x0, y0);
     if (side == 1) return {};
     const std::int64_t half = side / 2;
     const Halves nw = search(x0, y0, half);
@@ -183,46 +160,23 @@ class SplitSearch {
     return test_square(x0, y0, side, {nw, ne, sw, se}, [this](std::int64_t x, std::int64_t y) { return corner(x, y); });
   }
 
-  /// Copies a square's samples; false when one is missing.
-  bool load_square(std::int64_t x0, std::int64_t y0) {
-    const std::int64_t column = column0_ + x0;
-    const std::int64_t row = row0_ + y0;
-    const cache::HeightBlocks& blocks = view_->surface().blocks();
-    if (column < 0 || row < 0 || column + kBase >= blocks.columns() || row + kBase >= blocks.rows()) return false;
-    const cache::HeightBlock& block = view_->block_of(column, row);
-    double sum = 0;
-    for (std::size_t j = 0; j < kLine; ++j) {
-      const float* line = block.row(static_cast<int>(row & 255) + static_cast<int>(j)) + (column & 255);
-      for (std::size_t i = 0; i < kLine; ++i) {
-        const double h = static_cast<double>(line[i]) + block.base_m;
-        samples_[j][i] = h;
-        sum += h;
-      }
-    }
-    if (std::isnan(sum)) return false;
-    for (std::size_t j = 0; j < kLine; ++j) {
-      for (std::size_t i = 0; i < kLine; ++i) snapped_[j][i] = level_.heights.snapped_m(samples_[j][i]);
-    }
-    return true;
-  }
-
   /// search() on the copied samples: from unit cells upward, the error of a triangle is at most that of its two
   /// halves and as much as its plane lies off their common corner. Only where that is not enough are the samples
   /// under it looked at.
   Halves search_loaded(std::int64_t x0, std::int64_t y0) {
     for (std::size_t j = 0; j < kBase; ++j) {
       for (std::size_t i = 0; i < kBase; ++i) {
-        const double nw = std::abs(snapped_[j][i] - samples_[j][i]);
-        const double ne = std::abs(snapped_[j][i + 1] - samples_[j][i + 1]);
-        const double sw = std::abs(snapped_[j + 1][i] - samples_[j + 1][i]);
-        const double se = std::abs(snapped_[j + 1][i + 1] - samples_[j + 1][i + 1]);
+        const double nw = std::abs(loaded_.snapped[j][i] - loaded_.samples[j][i]);
+        const double ne = std::abs(loaded_.snapped[j][i + 1] - loaded_.samples[j][i + 1]);
+        const double sw = std::abs(loaded_.snapped[j + 1][i] - loaded_.samples[j + 1][i]);
+        const double se = std::abs(loaded_.snapped[j + 1][i + 1] - loaded_.samples[j + 1][i + 1]);
         if (((i + j) & 1) == 0) {
           halves_[j][i] = {std::max({nw, ne, se}), std::max({nw, sw, se})};
           continue;
         }
         // Cut against the surface's own diagonal.
-        const double off =
-            std::abs((snapped_[j][i + 1] + snapped_[j + 1][i]) / 2 - (samples_[j][i] + samples_[j + 1][i + 1]) / 2);
+        const double off = std::abs((loaded_.snapped[j][i + 1] + loaded_.snapped[j + 1][i]) / 2 -
+                                    (loaded_.samples[j][i] + loaded_.samples[j + 1][i + 1]) / 2);
         halves_[j][i] = {std::max({nw, ne, sw, off}), std::max({ne, sw, se, off})};
         if (off > bounds_m_.back())
           force_cell(x0 + static_cast<std::int64_t>(i), y0 + static_cast<std::int64_t>(j), off);
@@ -230,7 +184,7 @@ class SplitSearch {
     }
     const auto loaded = [&](std::int64_t x, std::int64_t y) {
       return Point{static_cast<double>(x), static_cast<double>(y),
-                   snapped_[static_cast<std::size_t>(y - y0)][static_cast<std::size_t>(x - x0)]};
+                   loaded_.snapped[static_cast<std::size_t>(y - y0)][static_cast<std::size_t>(x - x0)]};
     };
     for (std::size_t side = 2; side <= kBase; side *= 2) {
       const std::size_t half = side / 2;
@@ -305,35 +259,22 @@ class SplitSearch {
     const std::int64_t n = square_;
     const codec::CellRect cells = southward ? rect(line, start, 0, n) : rect(start, line, n, 0);
     set_bounds(cells);
-    line_.resize(static_cast<std::size_t>(n) + 1);
-    for (std::int64_t i = 0; i <= n; ++i) {
-      line_[static_cast<std::size_t>(i)] =
-          southward ? distance_.surface().sample(line, start + i) : distance_.surface().sample(start + i, line);
-    }
+    if (southward)
+      line_.read(distance_.surface(), line, start, n, true);
+    else
+      line_.read(distance_.surface(), start, line, n, false);
     for (std::int64_t side = 2; side <= n; side *= 2) {
       for (std::int64_t i = 0; i < n; i += side) {
         const std::int64_t middle = start + i + side / 2;
         const std::int64_t x = southward ? line : middle;
         const std::int64_t y = southward ? middle : line;
-        for (std::size_t mesh = flags_.first(x, y); mesh > 0 && !line_fits(i, side, bounds_m_[mesh - 1] / 2); --mesh)
+        // Missing samples are the triangles' concern.
+        for (std::size_t mesh = flags_.first(x, y);
+             mesh > 0 && !line_.edge_fits(i, side, level_.heights, bounds_m_[mesh - 1] / 2); --mesh)
           force(mesh - 1, x, y);
       }
     }
   }
-
-  /// Missing samples are the triangles' concern.
-  bool line_fits(std::int64_t first, std::int64_t n, double bound_m) const {
-    const double* h = &line_[static_cast<std::size_t>(first)];
-    if (std::isnan(h[0] + h[n])) return true;
-    const double from = level_.heights.snapped_m(h[0]);
-    const double rise = (level_.heights.snapped_m(h[n]) - from) / static_cast<double>(n);
-    for (std::int64_t i = 1; i < n; ++i) {
-      if (std::abs(from + rise * static_cast<double>(i) - h[i]) > bound_m) return false;
-    }
-    return true;
-  }
-
-  static constexpr std::size_t kLine = kBase + 1;
 
   SurfaceView* view_;
   LevelGrid level_;
@@ -345,10 +286,9 @@ class SplitSearch {
   SurfaceDistance distance_;
   NestedFlags flags_;
   std::vector<double> bounds_m_;  // of the square that is being searched, coarsest mesh first
-  std::array<std::array<double, kLine>, kLine> samples_;
-  std::array<std::array<double, kLine>, kLine> snapped_;
+  SquareSamples loaded_;
   std::array<std::array<Halves, kBase>, kBase> halves_;  // of the squares with this north-west corner
-  std::vector<double> line_;
+  LineSamples line_;
 };
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <tbb/task_arena.h>
 
 #include "codec/mesh_codec.h"
+#include "codec/strip_list.h"
 #include "simplify/stored_tile.h"
 #include "simplify/tile_maker.h"
 
@@ -119,11 +120,14 @@ Expected<void> keep(cache::TileWriter& writer, const cache::StoredTile& tile) {
 
 }  // namespace
 
-void LevelSummary::add(const cache::StoredTile& tile) {
+void LevelSummary::add(const cache::StoredTile& tile, std::string_view method) {
   ++tiles;
   vertices += tile.info.vertices;
   triangles += tile.info.triangles;
   bytes += tile.payload.size();
+  if (method != "strip") return;
+  const auto head = codec::read_strip_head(tile.payload);
+  if (head && !codec::unpacks_on_card(*head)) ++drawn_as_meshes;
 }
 
 std::vector<LevelSummary> make_levels(const codec::TreeLayout& layout) {

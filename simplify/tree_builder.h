@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cache/manifest.h"
@@ -24,13 +25,14 @@ struct LevelSummary {
   std::uint64_t triangles = 0;
   std::uint64_t bytes = 0;  ///< Payloads.
   double bound_m = 0;
-  double error_m = 0;            ///< Largest measured error of a tile.
-  double rms_m = 0;              ///< Over all its tiles' samples.
-  std::uint64_t tiles_made = 0;  ///< In this run, not in one that it went on with.
-  double make_seconds = 0;       ///< Spent on them by all threads together.
+  double error_m = 0;                 ///< Largest measured error of a tile.
+  double rms_m = 0;                   ///< Over all its tiles' samples.
+  std::uint64_t tiles_made = 0;       ///< In this run, not in one that it went on with.
+  double make_seconds = 0;            ///< Spent on them by all threads together.
+  std::uint64_t drawn_as_meshes = 0;  ///< Of method `strip`: those that no card unpacks.
 
-  /// Counts a tile, not its error.
-  void add(const cache::StoredTile& tile);
+  /// Counts a tile of a method, not its error.
+  void add(const cache::StoredTile& tile, std::string_view method);
 };
 
 /// A summary for every level, of no tiles yet.

@@ -79,6 +79,21 @@ void warn_of_holes(const BuildOptions& options, const BuildReport& report, const
              report.samples - report.valid_samples, cache::kFillDistance);
 }
 
+/// Says which strips fall back to meshes when they are drawn.
+void warn_of_meshes(const BuildOptions& options, const BuildReport& report) {
+  std::uint64_t tiles = 0;
+  std::uint64_t meshes = 0;
+  for (const simplify::LevelSummary& level : report.levels) {
+    tiles += level.tiles;
+    meshes += level.drawn_as_meshes;
+  }
+  if (options.quiet || meshes == 0) return;
+  fmt::print(stderr,
+             "tintree-build: {}: warning: {} of {} tiles are too tall or too fine to be unpacked by a graphics card, "
+             "and are drawn as meshes; a smaller --tile or a larger --error makes them fewer\n",
+             options.output, meshes, tiles);
+}
+
 /// The report of a tree that was finished before; kUsage when it is another one than the manifest's.
 Expected<BuildReport> report_finished(const BuildOptions& options, const cache::Manifest& manifest) {
   auto store = cache::TileStore::open(options.output);
@@ -95,7 +110,7 @@ Expected<BuildReport> report_finished(const BuildOptions& options, const cache::
     auto tile = store->read(node.id);
     if (!tile) return tl::unexpected(tile.error());
     simplify::LevelSummary& level = report.levels[static_cast<std::size_t>(node.id.level)];
-    level.add(*tile);
+    level.add(*tile, report.manifest.method);
     level.error_m = std::max(level.error_m, tile->info.error_m);
     level.rms_m = std::numeric_limits<double>::quiet_NaN();  // the file does not hold what that takes
   }
@@ -209,6 +224,7 @@ Expected<BuildReport> build_in_arena(const BuildOptions& options, int threads) {
   report.valid_samples = (*surface)->valid_samples();
   report.file_bytes = fs::file_size(options.output);
   warn_of_holes(options, report, input->info.path);
+  warn_of_meshes(options, report);
   report.seconds = seconds_since(begun);
   return report;
 }

@@ -9,7 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "cache/drawable_tile.h"
+#include "cache/strip_shape.h"
 #include "cache/tile_store.h"
+#include "codec/coded_strip_mesh.h"
 
 namespace tintree::test {
 namespace {
@@ -126,6 +129,42 @@ TEST_F(BuildTest, WarnsOfAMissingGeoreference) {
   EXPECT_EQ(r.exit_code, kDone) << r.all();
   EXPECT_NE(r.err.find("warning: no georeference"), std::string::npos) << r.err;
   EXPECT_NE(r.err.find(dem_), std::string::npos) << r.err;
+}
+
+// The build foretells which strips the viewer's caching thread makes meshes of.
+TEST_F(BuildTest, WarnsOfStripsThatNoCardUnpacks) {
+  const Words options{dem_, "-o", tree_, "--tile", "32", "--method", "strip", "--overwrite"};
+  const auto with = [&](Words more) {
+    more.insert(more.begin(), options.begin(), options.end());
+    const ProgramResult r = run_program(TINTREE_BUILD, more);
+    EXPECT_EQ(r.exit_code, kDone) << r.all();
+    return r.err;
+  };
+  EXPECT_EQ(with({}).find("drawn as meshes"), std::string::npos);
+  write_raster(dem_, {.columns = 90, .rows = 70, .dx = 10, .dy = 10},
+               [](int c, int r) { return hills(c, r) + (c > 70 ? 8000 : 0); });
+  for (const char* effort : {"fast", "best"}) {
+    const std::string said = with({"--error", "0.01", "--effort", effort});
+    const auto store = cache::TileStore::open(tree_);
+    ASSERT_TRUE(store.has_value());
+    std::size_t meshes = 0;
+    const std::size_t tiles = store->bounds().nodes().size();
+    for (const cache::TileNode& node : store->bounds().nodes()) {
+      const auto packed = codec::packed_strip(store->read(node.id)->payload);
+      const auto mesh = store->read_mesh(node.id);
+      ASSERT_TRUE(packed && mesh);
+      meshes += cache::make_drawable_strip(store->manifest().layout, node.id, *packed, *mesh, 0) == nullptr ? 1 : 0;
+    }
+    EXPECT_GT(meshes, 0U);
+    EXPECT_LT(meshes, tiles);
+    EXPECT_NE(said.find(tree_ + ": warning: " + std::to_string(meshes) + " of " + std::to_string(tiles) + " tiles are"),
+              std::string::npos)
+        << said;
+    Words again = options;
+    again.back() = "--resume";
+    again.insert(again.end(), {"--error", "0.01", "--effort", effort});
+    EXPECT_NE(run_program(TINTREE_BUILD, again).err.find(std::to_string(meshes) + " of "), std::string::npos);
+  }
 }
 
 TEST_F(BuildTest, RefusesADemThatIsNotThere) {

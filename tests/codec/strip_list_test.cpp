@@ -105,8 +105,14 @@ TEST(StripList, KnowsWhatDoesNotFit) {
   p.levels = 9;
   p.height_bits = 11;
   EXPECT_TRUE(StripWords(p).fit());
+  EXPECT_TRUE(unpacks_on_card(p));
   p.height_bits = 12;
   EXPECT_FALSE(StripWords(p).fit());
+  EXPECT_FALSE(unpacks_on_card(p));
+  p.levels = 11;  // Words would have room, headers have not.
+  p.height_bits = 7;
+  EXPECT_TRUE(StripWords(p).fit());
+  EXPECT_FALSE(unpacks_on_card(p));
 }
 
 TEST(StripList, StaysInsideItsWordsOnDamage) {
