@@ -113,7 +113,7 @@ class Viewer {
   std::deque<Notice> notices_;
   glm::dvec2 cursor_{0, 0};  ///< Screen units.
   bool dragging_ = false;
-  int pressed_ = -1;          ///< The button pressed last, and when and where.
+  int pressed_ = -1;  ///< The button pressed last, and when and where.
   double pressed_at_s_ = -1;
   glm::dvec2 pressed_at_{0, 0};
   double now_s_ = 0;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <gtest/gtest.h>
 
 #include "codec/nested_mesh.h"
@@ -77,6 +78,26 @@ class NestedSceneTest : public OsMesaTest {
     EXPECT_EQ(gl_.GetError(), static_cast<GLenum>(GL_NO_ERROR));
   }
 
+  /// Where a ray, one long in depth, first meets the ground, endless on all sides: by steps that jump over nothing
+  /// seen.
+  static double first_ground(const glm::dvec3& eye, const glm::dvec3& ray) {
+    const auto above_m = [&](double t) {
+      return eye.z + t * ray.z - NestedTree::ground_m(eye.x + t * ray.x, eye.y + t * ray.y);
+    };
+    constexpr double kHighest_m = 64;
+    double to = ray.z < 0 ? std::max(0.0, (kHighest_m - eye.z) / ray.z) : 1e5;
+    double from = to;
+    while (above_m(to) > 0 && to < 1e5) {
+      from = to;
+      to += 0.5;
+    }
+    for (int i = 0; i < 40; ++i) {
+      const double middle = (from + to) / 2;
+      (above_m(middle) > 0 ? from : to) = middle;
+    }
+    return to;
+  }
+
   static int count_magenta(const Picture& p) {
     int count = 0;
     for (std::size_t i = 0; i < p.rgb.size(); i += 3)
@@ -123,6 +144,50 @@ TEST_F(NestedSceneTest, KeepsThePixelErrorByCoarserLevels) {
     EXPECT_LT(worst, 1.05) << morph;
     EXPECT_GT(levels.size(), 1U) << "all tiles were drawn by one level";
     EXPECT_GT(worst, 0.1) << "nothing was coarse";
+  }
+}
+
+/// Against rays at the ground itself, from so far away that the leaves are good for a pixel.
+TEST_F(NestedSceneTest, KeepsWithinOnePixelOfTheGround) {
+  constexpr double kMargin_m = 100;  // Of the outline, which a ray may pass over within the pixel.
+  for (const bool morph : {false, true}) {
+    open(1, morph);
+    std::set<int> levels;
+    double worst_px = 0;
+    int compared = 0;
+    for (int i = 0; i < 6; ++i) {
+      const double away_m = 2800 + 500 * i;
+      const double azimuth = 0.7 + i;
+      const glm::dvec3 target(640, -640, 0);
+      const glm::dvec3 towards_eye(0.85 * std::sin(azimuth), 0.85 * std::cos(azimuth), std::sqrt(1 - 0.85 * 0.85));
+      const Camera c = camera(target + away_m * towards_eye, target);
+      draw(c);
+      for (const DrawTile& d : cut_.draws) levels.insert(d.nested_level);
+      const CameraAxes axes = c.axes();
+      const auto on_screen = [&](const glm::dvec3& p) {
+        const glm::dvec3 from_eye = p - c.eye;
+        return c.focal_px() / glm::dot(from_eye, axes.forward) *
+               glm::dvec2(glm::dot(from_eye, axes.right), glm::dot(from_eye, axes.up));
+      };
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+          const glm::dvec3 ray = c.ray(x + 0.5, y + 0.5);
+          const glm::dvec3 seen = c.eye + first_ground(c.eye, ray) * ray;
+          const double outside_m = std::max(std::abs(seen.x - 640), std::abs(seen.y + 640)) - 640;
+          if (outside_m > -kMargin_m) continue;
+          const double stored = target_->read_depth(x, y);
+          ASSERT_GT(stored, 0) << "a hole at " << x << ", " << y;
+          const glm::dvec3 drawn = c.eye + scene_->renderer().near_m(cut_) / stored * ray;
+          const glm::dvec3 ground(drawn.x, drawn.y, NestedTree::ground_m(drawn.x, drawn.y));
+          worst_px = std::max(worst_px, glm::length(on_screen(drawn) - on_screen(ground)));
+          ++compared;
+        }
+      }
+    }
+    EXPECT_LE(worst_px, 1) << morph;
+    EXPECT_GT(worst_px, 0.2) << "nothing was coarse";
+    EXPECT_GT(levels.size(), 1U) << "all tiles were drawn by one level";
+    EXPECT_GT(compared, kWidth * kHeight / 2);
   }
 }
 
