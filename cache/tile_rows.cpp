@@ -183,8 +183,9 @@ Expected<SqliteDb> open_existing(const std::string& path, SqliteDb::Access acces
   auto db = SqliteDb::open(path, access);
   if (!db) return db;
   const auto application = db->query_integer("PRAGMA application_id");
-  if (!application) return tl::unexpected(application.error());
-  if (*application != kApplicationId) return tl::unexpected(no_tree(path));
+  if (!application && !db->is_no_database()) return tl::unexpected(application.error());
+  if (!application || *application != kApplicationId)
+    return fail(ErrorCode::kBadData, "is no tintree file; tintree-build makes one of a DEM", path);
   const auto version = db->query_integer("PRAGMA user_version");
   if (!version) return tl::unexpected(version.error());
   if (*version > kFormatVersion) {
