@@ -17,10 +17,8 @@
 namespace tintree::cache {
 namespace {
 
-/// What a block takes: its heights in whole pages, and what the cache notes of it.
-constexpr std::uint64_t kPageBytes = 4096;
-constexpr std::uint64_t kHeightsBytes = std::uint64_t{kBlockStride} * kBlockSamples * sizeof(float);
-constexpr std::uint64_t kBlockBytes = (kHeightsBytes + kPageBytes - 1) / kPageBytes * kPageBytes + 256;
+/// What a block takes: its heights, and what the cache notes of it.
+constexpr std::uint64_t kBlockBytes = PageAllocator<float>::bytes(std::size_t{kBlockStride} * kBlockSamples) + 256;
 
 /// The height that a block's heights are counted from. Counted from there none is more than one and a half times the
 /// block's range, so that rounding to float costs a share of the range, however narrow it is.

@@ -75,6 +75,10 @@ Expected<void> for_each_picture(const SqliteDb& db, PictureKind kind,
   }
 }
 
+Expected<std::vector<std::int64_t>> picture_sizes(const SqliteDb& db, PictureKind kind) {
+  return db.query_integers(fmt::format("SELECT length(payload) FROM {} ORDER BY key", table_of(kind)).c_str());
+}
+
 Expected<std::uint64_t> sum_picture_bytes(const SqliteDb& db, PictureKind kind) {
   const auto sum = db.query_integer(fmt::format("SELECT SUM(LENGTH(payload)) FROM {}", table_of(kind)).c_str());
   if (!sum) return tl::unexpected(sum.error());

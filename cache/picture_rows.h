@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -16,6 +17,7 @@ namespace tintree::cache {
 
 /// What lies on a tile besides its mesh; the tables `texture` and `normal` (docs/format.md).
 enum class PictureKind : std::uint8_t { kTexture = 1, kNormal = 2 };
+inline constexpr std::array kPictureKinds{PictureKind::kTexture, PictureKind::kNormal};
 
 /// "texture" or "normal map", as messages say it.
 const char* picture_name(PictureKind kind);
@@ -31,6 +33,8 @@ Expected<std::optional<std::vector<std::byte>>> read_picture_row(const SqliteDb&
 /// Hands every payload to `visit` in key order, its checksum verified.
 Expected<void> for_each_picture(const SqliteDb& db, PictureKind kind,
                                 const std::function<void(const codec::TileId&, std::span<const std::byte>)>& visit);
+/// Bytes of every payload, in key order.
+Expected<std::vector<std::int64_t>> picture_sizes(const SqliteDb& db, PictureKind kind);
 /// Bytes of all payloads.
 Expected<std::uint64_t> sum_picture_bytes(const SqliteDb& db, PictureKind kind);
 /// The keys of all rows, ascending.

@@ -24,10 +24,6 @@ int look_at_stop(void* stop) { return is_set(static_cast<const StopFlag*>(stop))
 
 }  // namespace
 
-Error no_tree(const std::string& path) {
-  return {ErrorCode::kBadData, "is no tintree file; tintree-build makes one of a DEM", path};
-}
-
 Expected<SqliteDb> SqliteDb::open(const std::string& path, Access access) {
   SqliteDb db;
   db.path_ = path;
@@ -56,7 +52,6 @@ Error SqliteDb::last_error() const {
   const std::string reason = sqlite3_errmsg(handle_.get());
   switch (code) {
     case SQLITE_NOTADB:
-      return no_tree(path_);
     case SQLITE_CORRUPT:
     case SQLITE_ERROR:  // a table or column that has to be there is not
       return {ErrorCode::kBadData, "is damaged or cut short (" + reason + "); build it again or restore a copy", path_};

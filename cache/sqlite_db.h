@@ -14,9 +14,6 @@
 
 namespace tintree::cache {
 
-/// What is said of a file that is no tree, be it a database or not.
-Error no_tree(const std::string& path);
-
 /// The one adapter to SQLite: a connection and its prepared statements, with failures as Error.
 /// Not thread-safe.
 class SqliteDb {
@@ -30,6 +27,8 @@ class SqliteDb {
   Expected<void> exec(const char* sql);
   /// Whether the last call failed because another program holds the file.
   bool is_busy() const { return (sqlite3_errcode(handle_.get()) & 0xff) == SQLITE_BUSY; }
+  /// Whether it failed because the file is no database.
+  bool is_no_database() const { return (sqlite3_errcode(handle_.get()) & 0xff) == SQLITE_NOTADB; }
   /// From now on calls fail with kStopped once `stop` is set, even in the middle; null: never.
   void set_stop(const StopFlag* stop);
   /// What the last call failed of, as an Error: kIo for the disk, kBadData for a damaged file.

@@ -65,7 +65,7 @@ Expected<void> create_tables(SqliteDb& db, const Manifest& manifest) {
   auto done = db.exec(kSchema);
   if (done)
     done = db.exec(manifest.layout.levels_per_doubling == 1 ? "PRAGMA user_version = 1" : "PRAGMA user_version = 2");
-  for (const PictureKind kind : {PictureKind::kTexture, PictureKind::kNormal}) {
+  for (const PictureKind kind : kPictureKinds) {
     if (done && manifest.picture_size(kind) > 0) done = create_picture_table(db, kind);
   }
   return done;
@@ -109,7 +109,7 @@ Expected<void> for_each_tile(const SqliteDb& db, const std::function<void(const 
 
 Expected<void> add_pictures(const SqliteDb& db, const Manifest& manifest, TreeDigest& digest) {
   Expected<void> done;
-  for (const PictureKind kind : {PictureKind::kTexture, PictureKind::kNormal}) {
+  for (const PictureKind kind : kPictureKinds) {
     if (!done || manifest.picture_size(kind) == 0) continue;
     done = for_each_picture(db, kind, [&digest, kind](const codec::TileId& id, std::span<const std::byte> payload) {
       digest.add(kind, id, payload);
@@ -119,19 +119,19 @@ Expected<void> add_pictures(const SqliteDb& db, const Manifest& manifest, TreeDi
 }
 
 Expected<PackedSize> packed_size(const SqliteDb& db, const Manifest& manifest) {
-  std::vector<const char*> queries{"SELECT length(payload) FROM tile ORDER BY key"};
-  if (manifest.picture_size(PictureKind::kTexture) > 0)
-    queries.push_back("SELECT length(payload) FROM texture ORDER BY key");
-  if (manifest.picture_size(PictureKind::kNormal) > 0)
-    queries.push_back("SELECT length(payload) FROM normal ORDER BY key");
   PackedSize all;
-  for (const char* query : queries) {
-    const auto payloads = db.query_integers(query);
+  const auto add = [&all](const Expected<std::vector<std::int64_t>>& payloads) -> Expected<void> {
     if (!payloads) return tl::unexpected(payloads.error());
     PackedSize table;
     for (const std::int64_t bytes : *payloads) table.add(static_cast<std::uint64_t>(bytes));
     all += table;
+    return {};
+  };
+  auto done = add(db.query_integers("SELECT length(payload) FROM tile ORDER BY key"));
+  for (const PictureKind kind : kPictureKinds) {
+    if (done && manifest.picture_size(kind) > 0) done = add(picture_sizes(db, kind));
   }
+  if (!done) return tl::unexpected(done.error());
   return all;
 }
 
@@ -183,8 +183,9 @@ Expected<SqliteDb> open_existing(const std::string& path, SqliteDb::Access acces
   auto db = SqliteDb::open(path, access);
   if (!db) return db;
   const auto application = db->query_integer("PRAGMA application_id");
-  if (!application) return tl::unexpected(application.error());
-  if (*application != kApplicationId) return tl::unexpected(no_tree(path));
+  if (!application && !db->is_no_database()) return tl::unexpected(application.error());
+  if (!application || *application != kApplicationId)
+    return fail(ErrorCode::kBadData, "is no tintree file; tintree-build makes one of a DEM", path);
   const auto version = db->query_integer("PRAGMA user_version");
   if (!version) return tl::unexpected(version.error());
   if (*version > kFormatVersion) {

@@ -91,7 +91,7 @@ struct TileWriter::Impl {
     auto statement = db.prepare(kInsertTile);
     if (!statement) return tl::unexpected(statement.error());
     insert.emplace(std::move(*statement));
-    for (const PictureKind kind : {PictureKind::kTexture, PictureKind::kNormal}) {
+    for (const PictureKind kind : kPictureKinds) {
       if (manifest.picture_size(kind) == 0) continue;
       auto picture = prepare_picture_insert(db, kind);
       if (!picture) return tl::unexpected(picture.error());

@@ -53,7 +53,7 @@ bool GpuTilePool::upload(const cache::TileRef& ref, const cache::DrawableTile& t
                       : quantized != nullptr ? place_quantized(tile, out)
                                              : place_mesh(tile, out);
   if (!placed) return false;
-  out.tile.frame = tile.frame;
+  out.tile.frame = tile.native.nested ? tile.native.nested->frame : tile.frame;
   out.tile.pictures = textures_.upload(tile.pictures);
   if (relief) out.tile.relief = makers_.reliefs->make(*tile.relief, parent);
   if (lit_strip) {

@@ -53,7 +53,7 @@ struct GpuTile {
   GpuStrip strip;
   GpuMesh quantized;  ///< Of LitWord, read by
   std::optional<GpuQuantizer> quantizer;
-  codec::GridFrame frame;
+  codec::GridFrame frame;  ///< Of what is drawn: a nested shape has its own.
   std::shared_ptr<const cache::Occluder> occluder;
   GpuPictures pictures;
   GpuRelief relief;  ///< Of a strip, the normals of its vertices.

@@ -40,13 +40,25 @@ struct DrawStats {
   /// Tiles that an impostor stood in for, and triangles drawn into a new one.
   std::uint32_t impostor_tiles = 0;
   std::uint64_t impostor_triangles = 0;
+
+  /// Counts a tile that one call has drawn.
+  void add_tile(std::uint64_t surface_triangles) {
+    ++tiles;
+    ++draw_calls;
+    triangles += surface_triangles;
+  }
 };
 
-/// A program of a kind of tiles: their vertex shader, behind what all share, and the ground's fragment shader.
-Expected<ShaderProgram> make_ground_program(const GlFunctions& gl, std::string_view vertex_name);
+/// A program of a kind of tiles: their vertex shader, behind what all share, another if its kind has one of its own
+/// (`words_name`), and the ground's fragment shader.
+Expected<ShaderProgram> make_ground_program(const GlFunctions& gl, std::string_view vertex_name,
+                                            std::string_view words_name = {});
 
-/// Tells the program in use what a tile looks like: its pictures and its tint.
+/// Tells the program in use what a tile looks like: its pictures, how they lie on it, and its tint.
 void set_tile_look(const GlFunctions& gl, const ShaderProgram& program, const GpuTilePool& pool, const GpuTile& tile,
-                   const cache::TileNode& node, const DrawTile& drawn, const Style& style);
+                   Trees trees, const DrawTile& drawn, const Style& style);
+
+/// Draws a mesh, whose vertex array is bound, with its skirt if `style` has skirts.
+void draw_mesh(const GlFunctions& gl, const GpuMesh& mesh, const Style& style, DrawStats& stats);
 
 }  // namespace tintree::render

@@ -88,11 +88,6 @@ void NestedDrawer::set_tile(const Camera& camera, Trees trees, const LodCut& cut
   gl_->Uniform4f(at.detail, cut.options.morph ? 0 : level, level, static_cast<float>(allowed), 0);
 }
 
-void NestedDrawer::set_look(Trees trees, const GpuTilePool& pool, const Style& style, const Placed& tile) const {
-  gl_->Uniform1f(program_.uniform("tile_share"), 1 / static_cast<float>(tile.shape->side));
-  set_tile_look(*gl_, program_, pool, *tile.tile, trees[tile.draw->tree]->nodes()[tile.draw->node], *tile.draw, style);
-}
-
 std::vector<NestedDrawer::Line> NestedDrawer::border(const Placed& tile, std::size_t side) const {
   std::vector<Line> out;
   const std::size_t vertices = tile.shape->level_vertices(tile.draw->nested_level);
@@ -154,12 +149,10 @@ void NestedDrawer::draw(const Camera& camera, Trees trees, const LodCut& cut, st
     drawn[{t.id, t.draw->tree}] = &t;
     if (!in_part(t)) continue;
     set_tile(camera, trees, cut, t, 0);
-    set_look(trees, pool, style, t);
+    set_tile_look(*gl_, program_, pool, *t.tile, trees, *t.draw, style);
     pool.nested().send(*t.tile->chunk, *t.shape, t.draw->nested_level);
     pool.nested().draw(*t.tile->chunk, *t.shape);
-    ++stats.tiles;
-    ++stats.draw_calls;
-    stats.triangles += t.shape->fans.level_triangles[static_cast<std::size_t>(t.draw->nested_level)];
+    stats.add_tile(t.shape->fans.level_triangles[static_cast<std::size_t>(t.draw->nested_level)]);
   }
   gl_->Disable(GL_PRIMITIVE_RESTART);
   if (!style.skirts && !style.stitches) return;
@@ -174,7 +167,7 @@ void NestedDrawer::draw(const Camera& camera, Trees trees, const LodCut& cut, st
 void NestedDrawer::draw_sides(const Camera& camera, Trees trees, const LodCut& cut, const GpuTilePool& pool,
                               const Style& style, const Placed& tile, const Neighbours& drawn) const {
   set_tile(camera, trees, cut, tile, 0);
-  set_look(trees, pool, style, tile);
+  set_tile_look(*gl_, program_, pool, *tile.tile, trees, *tile.draw, style);
   for (std::size_t side = 0; side < kSteps.size(); ++side) {
     if ((tile.shape->skirt_sides & kSkirtSides[side]) == 0) continue;
     const auto [dx, dy] = kSteps[side];

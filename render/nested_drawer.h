@@ -62,8 +62,6 @@ class NestedDrawer {
   NestedDrawer(const GlFunctions& gl, ShaderProgram program);
   std::vector<Placed> place(Trees trees, const LodCut& cut, GpuTilePool& pool) const;
   void set_tile(const Camera& camera, Trees trees, const LodCut& cut, const Placed& tile, std::size_t which) const;
-  /// What draws over the first tile's square take from it.
-  void set_look(Trees trees, const GpuTilePool& pool, const Style& style, const Placed& tile) const;
   void draw_sides(const Camera& camera, Trees trees, const LodCut& cut, const GpuTilePool& pool, const Style& style,
                   const Placed& tile, const Neighbours& drawn) const;
   /// What surface joins along a side.

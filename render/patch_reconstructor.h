@@ -10,11 +10,11 @@
 
 namespace tintree::render {
 
-/// A tile's relief on the card.
+/// A tile's cache::TileRelief on the card.
 struct GpuRelief {
   GLuint heights = 0;  ///< Of its patch, while there are children to predict from it: R32I, the patch's size.
-  GLuint normals =
-      0;  ///< East and north of unit normals at the tile's nodes: RG16F, one texel a node; 0 for no relief.
+  /// East and north of unit normals at the tile's nodes: RG16F, one texel a node; 0 for no relief.
+  GLuint normals = 0;
   std::size_t bytes = 0;
 };
 

@@ -184,28 +184,19 @@ DrawStats Renderer::draw_ground(const Camera& camera, Trees trees, const LodCut&
 void Renderer::draw_meshes(const Camera& camera, Trees trees, std::span<const DrawTile> draws, GpuTilePool& pool,
                            const Style& style, DrawStats& stats) const {
   const GLint address_to_eye = terrain_.uniform("address_to_eye");
-  const GLint tile_share = terrain_.uniform("tile_share");
   const GLint morph = terrain_.uniform("morph");
   GLuint bound = 0;
   for (const DrawTile& d : draws) {
-    const cache::TileNode& node = trees[d.tree]->nodes()[d.node];
-    const GpuTile* tile = pool.use({node.id, d.tree});
+    const GpuTile* tile = pool.use({trees[d.tree]->nodes()[d.node].id, d.tree});
     if (tile == nullptr || !tile->is_mesh()) continue;
     const std::array<double, 16> matrix = tile->frame.matrix({camera.eye.x, camera.eye.y, camera.eye.z});
     set(*gl_, address_to_eye, glm::make_mat4(matrix.data()));
-    const auto across = static_cast<double>(trees[d.tree]->layout().cells_across(node.id.level));
-    set(*gl_, tile_share, std::ldexp(1.0, tile->frame.xy_shift) / across);
-    set_tile_look(*gl_, terrain_, pool, *tile, node, d, style);
+    set_tile_look(*gl_, terrain_, pool, *tile, trees, d, style);
     const bool morphs = d.morph > 0 && tile->morph.vertex_array != 0;
     const GpuMesh& mesh = morphs ? tile->morph : tile->mesh;
     if (std::exchange(bound, mesh.vertex_array) != mesh.vertex_array) gl_->BindVertexArray(mesh.vertex_array);
     set(*gl_, morph, morphs ? d.morph : 0);
-    const auto surface = static_cast<GLsizei>(3 * mesh.surface_triangles);
-    gl_->DrawElementsBaseVertex(GL_TRIANGLES, style.skirts ? mesh.index_count : surface, mesh.index_type,
-                                reinterpret_cast<const void*>(mesh.index_offset), mesh.base_vertex);
-    ++stats.tiles;
-    ++stats.draw_calls;
-    stats.triangles += mesh.surface_triangles;
+    draw_mesh(*gl_, mesh, style, stats);
   }
 }
 

@@ -13,8 +13,7 @@
 namespace tintree::render {
 
 /// Draws tiles of method `scalar` by places and indices of heights, as their payloads have them, placed as
-/// ScalarPlacement tells. Lives and dies while its context is
-/// current; not thread-safe.
+/// ScalarPlacement tells. Lives and dies while its context is current; not thread-safe.
 class ScalarDrawer {
  public:
   /// `gl` must outlive it. Fails with kIo when the driver refuses a shader.

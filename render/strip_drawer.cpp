@@ -19,26 +19,21 @@ StripDrawer::StripDrawer(const GlFunctions& gl, ShaderProgram program) : gl_(&gl
 void StripDrawer::draw(const Camera& camera, Trees trees, std::span<const DrawTile> draws, GpuTilePool& pool,
                        const Style& style, DrawStats& stats) const {
   for (const DrawTile& d : draws) {
-    const cache::TileNode& node = trees[d.tree]->nodes()[d.node];
-    const GpuTile* tile = pool.use({node.id, d.tree});
+    const GpuTile* tile = pool.use({trees[d.tree]->nodes()[d.node].id, d.tree});
     if (tile == nullptr || tile->strip.vertex_array == 0) continue;
     const GpuStrip& strip = tile->strip;
     const glm::mat4 matrix(glm::make_mat4(tile->frame.matrix({camera.eye.x, camera.eye.y, camera.eye.z}).data()));
-    const auto across = static_cast<double>(trees[d.tree]->layout().cells_across(node.id.level));
     const auto& [west, north, east, south] = strip.borders;
     gl_->UniformMatrix4fv(program_.uniform("address_to_eye"), 1, GL_FALSE, glm::value_ptr(matrix));
     gl_->Uniform1i(program_.uniform("xy_bits"), strip.xy_bits);
     gl_->Uniform1f(program_.uniform("height_unit"), std::ldexp(1.0F, strip.z_shift));
     gl_->Uniform4i(program_.uniform("borders"), west, north, east, south);
-    gl_->Uniform1f(program_.uniform("tile_share"), static_cast<float>(std::ldexp(1.0, tile->frame.xy_shift) / across));
-    set_tile_look(*gl_, program_, pool, *tile, node, d, style);
+    set_tile_look(*gl_, program_, pool, *tile, trees, d, style);
     gl_->BindVertexArray(strip.vertex_array);
     const std::uint32_t words = strip.triangle_words + (style.skirts ? strip.skirt_words : 0);
     gl_->DrawElements(GL_TRIANGLES, static_cast<GLsizei>(words), GL_UNSIGNED_INT,
                       reinterpret_cast<const void*>(std::size_t{4} * strip.first_word));
-    ++stats.tiles;
-    ++stats.draw_calls;
-    stats.triangles += strip.surface_triangles;
+    stats.add_tile(strip.surface_triangles);
   }
 }
 

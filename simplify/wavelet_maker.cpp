@@ -1,17 +1,14 @@
 #include "simplify/wavelet_maker.h"
 
-#include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "codec/residual_plane.h"
 #include "codec/split_fans.h"
 #include "codec/wavelet_tiles.h"
+#include "simplify/finish_tile.h"
 #include "simplify/neville_rows.h"
 
 namespace tintree::simplify {
@@ -21,34 +18,20 @@ namespace {
 /// are foretold well enough, or nearly so.
 constexpr double kShareAbove = 0.4;
 
-/// The mesh on the coarsest address grid that holds it.
+/// The mesh as it is stored.
 Expected<codec::TileMesh> stored_mesh(const StartMesh& start, std::int64_t cells, const codec::TileId& id) {
   codec::TileMesh out;
   if (start.triangles.empty()) return out;
-  const auto [lowest, highest] = std::ranges::minmax(start.vertices, {}, &LatticeVertex::z);
-  const std::int64_t relief = std::int64_t{highest.z} - lowest.z;
-  if (relief > codec::kMaxHeightAddress) {
-    return fail(ErrorCode::kBadData,
-                fmt::format("its relief spans {} height steps, more than the {} of the format; choose an --error at "
-                            "least {:.1f} times as large",
-                            relief, codec::kMaxHeightAddress, static_cast<double>(relief) / codec::kMaxHeightAddress),
-                "tile " + id.text());
-  }
-  auto all_bits = static_cast<std::uint64_t>(cells);
-  for (const LatticeVertex& v : start.vertices) all_bits |= static_cast<std::uint32_t>(v.x | v.y);
-  out.xy_shift = std::countr_zero(all_bits);
-  out.z_offset = start.heights.origin + lowest.z;
+  out.z_offset = start.heights.origin;
   out.vertices.reserve(start.vertices.size());
-  for (const LatticeVertex& v : start.vertices) {
-    out.vertices.push_back({v.x >> out.xy_shift, v.y >> out.xy_shift, v.z - lowest.z});
-  }
+  for (const LatticeVertex& v : start.vertices) out.vertices.push_back({v.x, v.y, v.z});
   out.triangles.reserve(start.triangles.size());
   for (const auto& t : start.triangles) {
     out.triangles.push_back(
         {static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]), static_cast<std::uint32_t>(t[2])});
   }
   codec::split_fans(out);
-  return out;
+  return finish_tile(std::move(out), cells, 0, id);
 }
 
 }  // namespace

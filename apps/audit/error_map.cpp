@@ -4,13 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/audit/picture_size.h"
+
 namespace tintree::audit {
 namespace {
-
-int pixels(std::int64_t samples, std::int64_t longest, int longest_px) {
-  if (longest <= longest_px) return static_cast<int>(samples);
-  return static_cast<int>(std::max<std::int64_t>((samples * longest_px + longest / 2) / longest, 1));
-}
 
 /// The larger of both; NaN only when both are.
 void raise(float& pixel, double error_m) {
@@ -20,11 +17,9 @@ void raise(float& pixel, double error_m) {
 }  // namespace
 
 ErrorMap::ErrorMap(const codec::CellRect& cells, int longest_px) : cells_(cells) {
-  const std::int64_t columns = cells.column1 - cells.column0 + 1;
-  const std::int64_t rows = cells.row1 - cells.row0 + 1;
-  const std::int64_t longest = std::max(columns, rows);
-  width_px_ = pixels(columns, longest, longest_px);
-  height_px_ = pixels(rows, longest, longest_px);
+  const auto [width, height] = picture_size(cells, longest_px, 1);
+  width_px_ = width;
+  height_px_ = height;
   errors_m_.assign(static_cast<std::size_t>(width_px_) * static_cast<std::size_t>(height_px_),
                    std::numeric_limits<float>::quiet_NaN());
 }

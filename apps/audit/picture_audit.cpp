@@ -63,7 +63,7 @@ class PictureExamination {
         violations_(violations) {}
 
   Expected<PictureReport> run() {
-    for (const PictureKind kind : {PictureKind::kTexture, PictureKind::kNormal}) {
+    for (const PictureKind kind : cache::kPictureKinds) {
       if (manifest_.picture_size(kind) == 0) continue;
       if (auto done = compare_keys(kind); !done) return tl::unexpected(done.error());
       const auto nodes = store_.bounds().nodes();

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/audit/picture_size.h"
+
 namespace tintree::audit {
 namespace {
 
@@ -12,11 +14,6 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Root mean square slope that the exaggeration aims at.
 constexpr double kSlope = 0.45;
 constexpr double kMostGain = 30;
-
-int side_px(std::int64_t samples, std::int64_t longest, int longest_px) {
-  const std::int64_t px = longest <= longest_px ? samples : (samples * longest_px + longest / 2) / longest;
-  return static_cast<int>(std::max<std::int64_t>(px, 2));
-}
 
 std::int64_t sample_at(std::int64_t first, std::int64_t last, int px, int pixel) {
   return first + ((last - first) * pixel + (px - 1) / 2) / (px - 1);
@@ -77,11 +74,9 @@ void fill(HeightPicture& picture, const TileSurface& s, const codec::Triangle& t
 }  // namespace
 
 HeightPicture::HeightPicture(const codec::CellRect& rectangle, int longest_px) : cells(rectangle) {
-  const std::int64_t columns = cells.column1 - cells.column0 + 1;
-  const std::int64_t rows = cells.row1 - cells.row0 + 1;
-  const std::int64_t longest = std::max(columns, rows);
-  width_px = side_px(columns, longest, longest_px);
-  height_px = side_px(rows, longest, longest_px);
+  const auto [width, height] = picture_size(cells, longest_px, 2);
+  width_px = width;
+  height_px = height;
   heights_m.assign(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px), kNaN);
 }
 

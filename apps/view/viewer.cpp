@@ -59,7 +59,7 @@ Viewer::Viewer(GLFWwindow* window, Tools tools, const cache::Manifest& manifest,
 Viewer& Viewer::self(GLFWwindow* window) { return *static_cast<Viewer*>(glfwGetWindowUserPointer(window)); }
 
 Viewer::Summary Viewer::summary() const {
-  return {frames_, tile_errors_, tools_.scene.cut_options().pixel_error, pilot_.camera()};
+  return {frames_, rests_, tile_errors_, tools_.scene.cut_options().pixel_error, pilot_.camera()};
 }
 
 Expected<void> Viewer::run() {
@@ -89,6 +89,7 @@ void Viewer::nap() {
   glfwWaitEventsTimeout(kNap_s);
   now_s_ = glfwGetTime();
   if (now_s_ - begun_s < kRest_s) return;
+  ++rests_;
   frame_rate_.rest();
   if (std::exchange(readings_.frames_per_second, 0) > 0) text_stale_ = true;
 }

@@ -44,6 +44,7 @@ class Viewer {
 
   struct Summary {
     std::uint64_t frames = 0;
+    std::uint64_t rests = 0;  ///< How often it has slept for want of anything to draw.
     std::uint64_t tile_errors = 0;
     double pixel_error = 1;
     render::Camera camera;
@@ -118,6 +119,7 @@ class Viewer {
   glm::dvec2 pressed_at_{0, 0};
   double now_s_ = 0;
   std::uint64_t frames_ = 0;
+  std::uint64_t rests_ = 0;
   std::uint64_t tile_errors_ = 0;
   bool told_of_memory_ = false;
   bool moving_ = false;     ///< By itself: the next frame differs from this one, whatever the user does.

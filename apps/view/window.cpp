@@ -29,6 +29,7 @@ nlohmann::ordered_json to_json(const Viewer::Summary& s, const cache::TileStore&
       {"fov_y_rad", c.fov_y_rad},
       {"pixel_error", s.pixel_error},
       {"frames", s.frames},
+      {"rests", s.rests},
       {"tile_errors", s.tile_errors},
       {"seconds", std::chrono::duration<double>(Clock::now() - begun).count()},
       {"peak_rss_bytes", app::peak_rss_bytes()},

@@ -1,12 +1,12 @@
 """scripts/chart: speed, bytes and memory against measured error. See scripts/chart --help."""
 import argparse
-import fcntl
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
 
 import draw
+import exclusive
 import page
 import windows
 from memo import Memo, read_lines
@@ -45,20 +45,10 @@ def measured(args, charts):
     return sweep
 
 
-def one_at_a_time():
-    """Two runs would disturb each other's times; the lock ends with the program."""
-    OWN.mkdir(parents=True, exist_ok=True)
-    lock = (BENCH / "lock").open("w")
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        sys.exit("scripts/chart: another run is going on in build/bench; wait for it, for two would disturb each other")
-    return lock
-
-
 def main():
     args = arguments()
-    lock = one_at_a_time()
+    OWN.mkdir(parents=True, exist_ok=True)
+    lock = exclusive.keep_others_out("scripts/chart")
     into = OWN / "quick" if args.quick else DOCS
     results = into / "results.jsonl"
     charts = [CHARTS[name] for name in args.only or CHARTS]

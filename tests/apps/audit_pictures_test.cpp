@@ -143,7 +143,7 @@ TEST_F(AuditPicturesTest, FindsAFlippedByte) {
 
 TEST_F(AuditPicturesTest, FindsPicturesOfAnotherTile) {
   const TileId id{2, 1, 0};
-  for (const PictureKind kind : {PictureKind::kTexture, PictureKind::kNormal}) {
+  for (const PictureKind kind : cache::kPictureKinds) {
     const auto own = payload(kind, id);
     replace(kind, id, payload(kind, {2, 0, 1}));
     expect_found(id, kind == PictureKind::kTexture ? "its texture" : "its normal map", {"--ortho", photo_});

@@ -62,7 +62,7 @@ TEST_F(OrthoTest, TwoLevelsADoublingShareTheirPictures) {
   const auto one = cache::TileStore::open(dir_.file("one.tintree"));
   const auto two = cache::TileStore::open(tree_);
   ASSERT_TRUE(one.has_value() && two.has_value());
-  for (const PictureKind kind : {PictureKind::kTexture, PictureKind::kNormal}) {
+  for (const PictureKind kind : cache::kPictureKinds) {
     EXPECT_EQ(two->picture_keys(kind)->size(), one->picture_keys(kind)->size());
     for (const cache::TileNode& node : two->bounds().nodes()) {
       const codec::TileId on_square{two->manifest().layout.halvings(node.id.level), node.id.x, node.id.y};

@@ -8,6 +8,7 @@
 #include "codec/split_fans.h"
 #include "codec/tin_guess.h"
 #include "tests/codec/random_mesh.h"
+#include "tests/codec/round_trip.h"
 
 namespace tintree::codec {
 namespace {
@@ -20,16 +21,10 @@ const CodedTinMesh kCoded;
 
 /// As the other version has it, to the last triangle and vertex, and decoded through the method's codec.
 void expect_round_trip(const TileMesh& mesh, std::byte version = kTinCoded) {
-  const auto bytes = kCoded.encode(mesh);
-  ASSERT_TRUE(bytes.has_value()) << bytes.error().text();
-  EXPECT_EQ(bytes->front(), version);
-  EXPECT_EQ(*kCoded.encode(mesh), *bytes) << "encoding is not deterministic";
-  const auto back = find_codec("tin")->decode(*bytes);
-  ASSERT_TRUE(back.has_value()) << back.error().text();
-  EXPECT_EQ(back->xy_shift, mesh.xy_shift);
-  EXPECT_EQ(back->z_offset, mesh.z_offset);
-  EXPECT_EQ(back->vertices.size(), mesh.vertices.size());
-  EXPECT_EQ(triangle_set(*back), triangle_set(mesh));
+  const auto made = test::expect_round_trip(kCoded, *find_codec("tin"), mesh);
+  ASSERT_TRUE(made);
+  EXPECT_EQ(made->bytes.front(), version);
+  EXPECT_EQ(made->back.vertices.size(), mesh.vertices.size());
 }
 
 TileMesh manifold(TileMesh mesh) {

@@ -33,14 +33,6 @@ constexpr int kHeight = 90;
 constexpr std::size_t kMostRim = 1;
 constexpr double kAcross_m = 256 * NestedTree::kSpacing_m;
 
-/// Not what the ground says.
-std::array<float, 3> ripples(double x, double y) {
-  const double east = 0.5 * std::sin(x / 37);
-  const double north = 0.5 * std::cos(y / 29);
-  const double length = std::sqrt(east * east + north * north + 1);
-  return {static_cast<float>(east / length), static_cast<float>(north / length), static_cast<float>(1 / length)};
-}
-
 /// One ground in three trees side by side: nested in the north-west, strips in the north-east, meshes in the south.
 class NativeGroundTest : public OsMesaTest {
  protected:
@@ -61,7 +53,7 @@ class NativeGroundTest : public OsMesaTest {
   const cache::TileStore* store(const std::string& method, const Tree& tree, int east, int south, bool normal_maps) {
     const std::string path = dir_.file(std::to_string(stores_.size()) + ".tintree");
     const double step_m = tree.layout().dx_m;
-    test::write_tree(path, method, *codec::find_codec(method), tree, normal_maps ? ripples : test::NormalAt(),
+    test::write_tree(path, method, *codec::find_codec(method), tree, normal_maps ? test::ripples : test::NormalAt(),
                      {east * kAcross_m - step_m / 2, step_m, 0, -south * kAcross_m + step_m / 2, 0, -step_m});
     stores_.push_back(std::make_unique<cache::TileStore>(std::move(*cache::TileStore::open(path))));
     return stores_.back().get();

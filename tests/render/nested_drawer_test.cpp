@@ -19,6 +19,7 @@
 #include "codec/nested_mesh.h"
 #include "render/terrain_scene.h"
 #include "tests/render/osmesa_test.h"
+#include "tests/render/seen.h"
 #include "tests/render/write_tree.h"
 #include "tests/support/nested_tree.h"
 #include "tests/support/temp_dir.h"
@@ -52,11 +53,7 @@ class NestedSceneTest : public OsMesaTest {
   }
 
   static Camera camera(const glm::dvec3& eye, const glm::dvec3& target) {
-    Camera c;
-    c.eye = eye;
-    c.target = target;
-    c.width_px = kWidth;
-    c.height_px = kHeight;
+    Camera c = test::camera_at(eye, target, kWidth, kHeight);
     c.fov_y_rad = 0.6;
     return c;
   }

@@ -13,6 +13,7 @@
 #include "render/screen_error.h"
 #include "render/terrain_scene.h"
 #include "tests/render/osmesa_test.h"
+#include "tests/render/seen.h"
 #include "tests/render/analytic_tree.h"
 #include "tests/support/temp_dir.h"
 
@@ -51,12 +52,7 @@ class RendererTest : public OsMesaTest {
   }
 
   static Camera camera(const glm::dvec3& eye, const glm::dvec3& target) {
-    Camera c;
-    c.eye = eye;
-    c.target = target;
-    c.width_px = kWidth;
-    c.height_px = kHeight;
-    return c;
+    return test::camera_at(eye, target, kWidth, kHeight);
   }
 
   /// A grid turned to the left, and a place in the world turned with it round the origin.

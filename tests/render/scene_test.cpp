@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/render/osmesa_test.h"
+#include "tests/render/seen.h"
 #include "tests/render/analytic_tree.h"
 #include "tests/support/temp_dir.h"
 
@@ -59,12 +60,7 @@ class SceneTest : public OsMesaTest {
   }
 
   static Camera camera(const glm::dvec3& eye, const glm::dvec3& target) {
-    Camera c;
-    c.eye = eye;
-    c.target = target;
-    c.width_px = kWidth;
-    c.height_px = kHeight;
-    return c;
+    return test::camera_at(eye, target, kWidth, kHeight);
   }
 
   static Picture settled_picture(TerrainScene& scene, const Camera& camera) {

@@ -14,6 +14,15 @@
 
 namespace tintree::test {
 
+inline render::Camera camera_at(const glm::dvec3& eye, const glm::dvec3& target, int width_px, int height_px) {
+  render::Camera c;
+  c.eye = eye;
+  c.target = target;
+  c.width_px = width_px;
+  c.height_px = height_px;
+  return c;
+}
+
 /// What a camera sees of a scene.
 struct Seen {
   render::Picture picture;

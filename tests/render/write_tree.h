@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -16,6 +17,14 @@ namespace tintree::test {
 
 /// What a normal map is to say at a place of the tree, metres east and north of its first sample.
 using NormalAt = std::function<std::array<float, 3>(double x_m, double y_m)>;
+
+/// Not what any ground says.
+inline std::array<float, 3> ripples(double x, double y) {
+  const double east = 0.5 * std::sin(x / 37);
+  const double north = 0.5 * std::cos(y / 29);
+  const double length = std::sqrt(east * east + north * north + 1);
+  return {static_cast<float>(east / length), static_cast<float>(north / length), static_cast<float>(1 / length)};
+}
 
 inline std::vector<std::byte> normal_map(const codec::TreeLayout& layout, const codec::TileId& id,
                                          const NormalAt& normal_at) {

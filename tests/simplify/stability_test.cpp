@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -17,17 +16,6 @@
 
 namespace tintree::test {
 namespace {
-
-double relief_m(const HeightGrid& grid) {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
-  for (const double h : grid.heights_m) {
-    if (std::isnan(h)) continue;
-    low = std::min(low, h);
-    high = std::max(high, h);
-  }
-  return high > low ? high - low : 1;
-}
 
 /// Whether the samples are those of one plane, all of them, as far as doubles tell.
 bool is_planar(const HeightGrid& grid) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -268,6 +269,17 @@ Terrain make_exact_terrain(int columns, int rows, const HeightFunction& height) 
   const std::string path = "/vsimem/terrain" + std::to_string(count++) + ".tif";
   write_raster(path, {.columns = columns, .rows = rows}, height);
   return read_terrain(path);
+}
+
+double relief_m(const HeightGrid& grid) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const double h : grid.heights_m) {
+    if (std::isnan(h)) continue;
+    low = std::min(low, h);
+    high = std::max(high, h);
+  }
+  return high > low ? high - low : 1;
 }
 
 Expected<codec::TreeLayout> plan_layout(const Terrain& terrain, int tile_cells, double leaf_error_m,

@@ -27,6 +27,9 @@ Terrain make_terrain(int columns, int rows, const HeightFunction& height);
 Terrain make_exact_terrain(int columns, int rows, const HeightFunction& height);
 Terrain read_terrain(const std::string& path);
 
+/// Between the lowest and the highest sample; 1 where there is nothing between.
+double relief_m(const HeightGrid& grid);
+
 /// A layout for a terrain with the height steps that a build would choose; fails where the build would.
 Expected<codec::TreeLayout> plan_layout(const Terrain& terrain, int tile_cells, double leaf_error_m,
                                         int levels_per_doubling = 1);

@@ -32,17 +32,6 @@ cache::Manifest manifest_of(const codec::TreeLayout& layout, const std::string& 
   return manifest;
 }
 
-double relief_m(const test::HeightGrid& grid) {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
-  for (const double h : grid.heights_m) {
-    if (std::isnan(h)) continue;
-    low = std::min(low, h);
-    high = std::max(high, h);
-  }
-  return high > low ? high - low : 1;
-}
-
 class WaveletTreeTest : public testing::TestWithParam<test::AdversarialTerrain> {};
 
 TEST_P(WaveletTreeTest, KeepsItsPromises) {
@@ -55,7 +44,7 @@ TEST_P(WaveletTreeTest, KeepsItsPromises) {
   for (const double share : {1e-3, 0.05}) {
     SCOPED_TRACE(share);
     const auto tree =
-        build(terrain, shape.columns > 100 ? 32 : 16, share * relief_m(terrain.grid), dir.file("t.tintree"));
+        build(terrain, shape.columns > 100 ? 32 : 16, share * test::relief_m(terrain.grid), dir.file("t.tintree"));
     ASSERT_TRUE(tree.has_value()) << tree.error().text();
     test::expect_sound_tree(terrain, *tree);
   }
