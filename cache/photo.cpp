@@ -80,8 +80,10 @@ Expected<void> Photo::describe_bands() {
     if (type != GDT_Byte) {
       return fail(
           ErrorCode::kBadData,
-          fmt::format("holds {} samples, not colours of 8 bits; convert it first (gdal_translate -ot Byte -scale)",
-                      GDALGetDataTypeName(type)),
+          fmt::format(
+              "holds {} samples, not colours of 8 bits; convert it first, with one range for all bands, which keeps "
+              "its colours (gdal_translate -ot Byte -scale LEAST MOST 0 255)",
+              GDALGetDataTypeName(type)),
           path_);
     }
   }

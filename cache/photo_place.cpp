@@ -29,6 +29,13 @@ Expected<Transformer> make_transformer(const Photo& photo, const RasterInfo& dem
   CPLErrorReset();
   Transformer out(GDALCreateGenImgProjTransformer2(GDALDataset::ToHandle(&dataset), nullptr, options));
   CSLDestroy(options);
+  if (!out && own != nullptr && own->IsLocal()) {
+    return fail(
+        ErrorCode::kBadData,
+        "has a local coordinate system, which nothing can be brought from to the coordinates of the DEM; give it "
+        "its true one first (gdal_translate -a_srs)",
+        photo.path());
+  }
   if (!out) {
     return fail(
         ErrorCode::kBadData,

@@ -296,12 +296,17 @@ TEST_F(OrthoSourceTest, RefusesWhatCannotBeDraped) {
   expect_refused(ErrorCode::kBadData, "no georeference");
   test::write_photo(photo_, {.columns = 9, .rows = 9, .west = 90000}, false, test::meadow);
   expect_refused(ErrorCode::kBadData, "does not meet the DEM");
+  test::write_photo(photo_, {.columns = 9, .rows = 9}, false, test::meadow);
+  OGRSpatialReference local;
+  local.SetLocalCS("site");
+  GDALDatasetUniquePtr(GDALDataset::Open(photo_.c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE))->SetSpatialRef(&local);
+  expect_refused(ErrorCode::kBadData, "gdal_translate -a_srs");
   std::filesystem::resize_file(photo_, 0);
   expect_refused(ErrorCode::kBadData, "not recognized");
   std::filesystem::remove(photo_);
   test::write_raster(photo_, {.columns = 9, .rows = 9, .type = test::SampleType::kInt16},
                      [](int c, int r) { return c + r; });
-  expect_refused(ErrorCode::kBadData, "gdal_translate -ot Byte");
+  expect_refused(ErrorCode::kBadData, "gdal_translate -ot Byte -scale LEAST MOST 0 255");
 }
 
 }  // namespace
