@@ -125,13 +125,12 @@ std::optional<std::vector<cache::TileRef>> FarPicture::plan(const Camera& camera
 
 /// Over a half of the frames for which the picture will hold; not at all where those are few.
 void FarPicture::start_drawing(const Style& style, double haze_begin_m) {
-  Picture& picture = begun_->picture;
-  const int holds = impostor_frames(picture.view, before_, now_, 2 * impostor::kMostDrawing);
+  const int holds = impostor_frames(begun_->picture.view, before_, now_, 2 * impostor::kMostDrawing);
   if (holds < 2 * impostor::kLeastDrawing) return rest();
   begun_->frames_left = holds / 2;
   begun_->drawn = 0;
-  picture.style = style;
-  picture.haze_begin_m = haze_begin_m;
+  begun_->haze_begin_m = haze_begin_m;
+  begun_->picture.style = style;
   buffers_[1 - shown_buffer_].clear();
 }
 
@@ -146,7 +145,7 @@ DrawStats FarPicture::refresh(const Renderer& renderer, Trees trees, GpuTilePool
   }
   LodCut& cut = begun_->cut;
   cut.max_error_px = kSkirtPx * impostor::kTexelsPerPx;
-  cut.nearest_m = begun_->picture.haze_begin_m;
+  cut.nearest_m = begun_->haze_begin_m;
   begun_->picture.near_m = renderer.near_m(cut);
   const std::span<const DrawTile> rest = std::span<const DrawTile>(cut.draws).subspan(begun_->drawn);
   const auto frames = static_cast<std::size_t>(begun_->frames_left);

@@ -54,7 +54,6 @@ class FarPicture {
   struct Picture {
     ImpostorView view;
     double near_m = 0;  ///< As Renderer::near_m.
-    double haze_begin_m = 0;
     Style style;
     TileSet tiles;
   };
@@ -62,8 +61,9 @@ class FarPicture {
   struct Begun {
     Picture picture;
     CutOptions options;
-    double beyond_m = 0;    ///< Ground nearer than that is left out.
-    LodCut cut;             ///< What is on it, once that is complete.
+    double beyond_m = 0;  ///< Ground nearer than that is left out.
+    LodCut cut;           ///< What is on it, once that is complete.
+    double haze_begin_m = 0;
     int frames_left = 0;    ///< Over which the rest is drawn; 0 before the first.
     std::size_t drawn = 0;  ///< Tiles of the cut that have been.
   };
